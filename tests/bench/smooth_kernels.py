@@ -69,22 +69,22 @@ def taps_of(duration, coefficients):
     return taps / taps.sum()
 
 
-def residual(taps, damping=0.0):
-    """Worst residual vibration over the band, as a share of that of the unfiltered command; a mode of this damping."""
+def residual(taps, damping=0.0, band=BAND):
+    """Worst residual vibration over a band, as a share of that of the unfiltered command; a mode of this damping."""
     worst = 0.0
-    for frequency in np.linspace(*BAND, 401):
+    for frequency in np.linspace(*band, 401):
         at = 2.0 * np.pi * frequency * PERIOD * np.arange(len(taps))[::-1]  # the last tap acts last and rings longest
         worst = max(worst, abs(np.sum(taps * np.exp((-damping + 1j * np.sqrt(1.0 - damping**2)) * at))))
     return worst
 
 
-def filter_of(order, peak, step, allowed, damping=0.0, inside=False):
+def filter_of(order, peak, step, allowed, damping=0.0, inside=False, band=BAND):
     """A filter of this order within the limits by a linear program, or None. The circle of the residual is replaced by
     a polygon of 72 sides about it (necessary conditions) or inside it, at 41 frequencies."""
     n, sides = order + 1, 72
     difference = np.eye(n + 1, n) - np.eye(n + 1, n, -1)
     rows, bounds = [difference, -difference], [np.full(2 * n + 2, step)]
-    for frequency in np.linspace(*BAND, 41):
+    for frequency in np.linspace(*band, 41):
         at = 2.0 * np.pi * frequency * PERIOD * np.arange(n)[::-1]
         weight = np.exp((-damping + 1j * np.sqrt(1.0 - damping**2)) * at)
         rows.append((weight[None, :] * np.exp(-2j * np.pi * np.arange(sides) / sides)[:, None]).real)

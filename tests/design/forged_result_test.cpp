@@ -103,8 +103,8 @@ TEST(ForgedResult, WhatACheckFoundMayBeRecorded) {
   EXPECT_FALSE(verify_result(result).accepted);
 }
 
-// A boxcar of 21 taps accelerates alike in 21 samples: each of them, and no other near, is where the limit is used
-// most.
+// A boxcar of 21 taps accelerates alike in 21 samples. Each of them is where the limit is used most, and no later one
+// of the blend.
 TEST(ForgedResult, ALimitIsUsedMostWhereItSays) {
   DesignResult result = design_task(parse_task(R"(sample_period_ms = 1.0
 [filter]
@@ -123,7 +123,7 @@ error_max_um = 200
   ASSERT_EQ(x.kind, LimitKind::acceleration);
   x.event = Event::start;
   int places = 0;
-  for (x.sample = -10; x.sample < 25; ++x.sample) {
+  for (x.sample = -10; x.sample < 100; ++x.sample) {
     const ResultCheck check = verify_result(result);
     places += check.accepted ? 1 : 0;
     if (!check.accepted) {
@@ -149,8 +149,10 @@ TEST(ForgedResult, ALimitIsMeasuredAtPlacesOfItsKind) {
       EXPECT_THAT(refused([](LimitUse& u) { u.sample = 7; }), measured);
       EXPECT_THAT(refused([](LimitUse& u) { u.event = Event::blend; }), measured);
       EXPECT_THAT(refused([](LimitUse& u) { u.frequency = 1.0; }), measured);
+      EXPECT_THAT(refused([](LimitUse& u) { u.damping = -0.9; }), measured);
     } else {
       EXPECT_THAT(refused([](LimitUse& u) { u.frequency = 7.0; }), measured);
+      EXPECT_THAT(refused([](LimitUse& u) { u.damping = 0.1; }), measured);
     }
     if (result.limits[i].kind == LimitKind::corner_error) {
       EXPECT_THAT(refused([](LimitUse& u) { u.event = Event::start; }), measured);

@@ -5,9 +5,10 @@ import subprocess
 import sys
 
 import families
+import shapers
 from page import ms
 
-CHECKS = {}
+CHECKS = dict(shapers.CHECKS)
 
 
 def check_of(name):
@@ -357,43 +358,3 @@ def study_findings(page):
     for row, optimum, averages in zip(rows, (along, across), (there, turned)):
         page.same(f"heading {row['heading']}, optimum", optimum, f"{families.time(row, 'optimum'):g}")
         page.same(f"heading {row['heading']}, two averages", averages, f"{families.time(row, 'trapezoid'):g}")
-
-
-@check_of("study/smooth-kernels/kernels.md")
-def kernels(page):
-    sys.path.insert(0, str(page.source / "tests/bench"))
-    try:
-        import smooth_kernels
-    except ImportError:  # numpy and scipy
-        page.same("smooth_zv and others stand there", len(page.rows("kernel", "taps")), 3)
-        return
-    for name in ("smooth_zv", "smooth_mzv"):
-        taps = smooth_kernels.taps_of(*smooth_kernels.KERNELS[name])
-        step = max(abs(taps[0]), abs(taps[-1]), *abs(taps[1:] - taps[:-1]))
-        allowed = smooth_kernels.residual(taps) * smooth_kernels.EXACT
-        result, verified = smooth_kernels.shortest(page.program, taps.max(), step, allowed)
-        row = page.row(page.rows("kernel", "taps"), "kernel", name)
-        page.same(f"{name}, taps", row["taps"], str(len(taps)))
-        page.same(f"{name}, shortest", row["shortest taps, undamped"], str(len(result["filter"]["taps"])))
-        page.same(f"{name}, verified", str(verified), "True")
-
-
-@check_of("study/smooth-kernels/damped.md")
-def damped_shapers(page):
-    sys.path.insert(0, str(page.source / "tests/bench"))
-    rows = page.rows("shaper", "its time, ms")
-    try:
-        import damped_shapers
-    except ImportError:  # numpy and scipy
-        page.same("ZV, ZVD, MZV, EI and three kernels stand there", len(rows), 7)
-        return
-    for name, shaper in damped_shapers.impulses().items():
-        if name not in ("ZV", "EI"):
-            continue
-        taps = damped_shapers.sampled(*shaper)
-        allowed = damped_shapers.kernels.residual(taps, damped_shapers.DAMPING) * damped_shapers.EXACT
-        result, verified = damped_shapers.shortest(page.program, None, None, allowed)
-        row = page.row(rows, "shaper", name)
-        page.same(f"{name}, shortest", row["shortest time, ms"],
-                  f"{1e3 * damped_shapers.PERIOD * (len(result['filter']['taps']) - 1):.1f}")
-        page.same(f"{name}, verified", str(verified), "True")

@@ -6,6 +6,7 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/design/anytime.hpp>
+#include <accdec/design/coarse_design.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
 #include <accdec/exact/exact_run.hpp>
@@ -27,8 +28,10 @@ namespace {
 /// Up to this order slsqp, which is dense, is faster than ipopt.
 constexpr int dense_order_max = 150;
 
-/// The task without the limits that make the set of filters non-convex.
-Task convex_part(Task task) {
+/// The task without the limits that make the set of filters non-convex; without its modes if there are none such. With
+/// many taps, the linear programs of modes are the slowest.
+Task easier_part(Task task) {
+  if (is_convex(task)) task.machine.modes.clear();
   for (Axis& axis : task.machine.axes) axis.power_max = axis.regeneration_max = unlimited;
   task.machine.power_total_max = task.machine.regeneration_total_max = unlimited;
   for (TaskCorner& corner : task.corners) corner.speed_min = 0.0;
@@ -75,9 +78,10 @@ class Anytime {
     // Shares of the time limit, tried on the shipped and random tasks. The proof of a single corner is usually short,
     // and otherwise other methods add little. With several corners, or limits that are not convex, a good design
     // shortens the proof that continues from it.
+    coarse(convex ? 0.05 : 0.2);
     exact(several ? 0.2 : convex ? 0.9 : 0.3);
     if (settled() || close_enough()) return *exact_;
-    if (!convex && !has_bound()) bound_of_part(convex_part(task_), 0.1);
+    if (!has_bound() && !(convex && task_.machine.modes.empty())) bound_of_part(easier_part(task_), 0.1);
     // A very quiet filter is usually found only by a window made for it, and then at once.
     if (!exact_->has_design()) shapes(0.1);
     const double share = several ? 0.35 : 0.2;
@@ -98,6 +102,7 @@ class Anytime {
                               "of axes with dry friction"
                             : "the proof does not consider force, power, regeneration and smallest speeds behind a "
                               "servo, nor the control's smoothing and a shared supply";
+    coarse(0.1);
     shapes(ideal ? 0.1 : 0.4);
     bound_of_part(covered_part(task_), ideal ? 0.4 : 0.6);
     judge();
@@ -117,6 +122,7 @@ class Anytime {
     const int most = task_.design.order_max;
     const int least = std::min(most, std::max(task_.design.order_min, order_lower_bound(task_, most)));
     const bool small = task_.corners.size() <= 100 && least <= 10'000;
+    if (small) coarse(0.2);
     shapes(small ? 0.4 : 1.0);
     if (small) local(options_.nlp.solver, 1.0);
     return finish();
@@ -187,6 +193,12 @@ class Anytime {
       return;
     }
     if (!exact_ || !exact_->has_design() || result.objective() < exact_->objective()) offer_design(std::move(result));
+  }
+
+  void coarse(double share) {
+    if (over()) return;
+    if (auto result = coarse_design(task_, options_, std::min(share * options_.time_limit, left())))
+      offer_design(std::move(*result));
   }
 
   void shapes(double share) {

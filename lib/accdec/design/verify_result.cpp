@@ -118,7 +118,8 @@ bool names_a_place(const Task& task, const LimitUse& use, const LimitUse& found)
     return use.event != Event::none && (use.event != found.event || use.sample == found.sample) && in_band(task, use);
   const bool of_the_blend =
       use.kind == LimitKind::corner_error || use.kind == LimitKind::speed_min || use.kind == LimitKind::contour;
-  return use.frequency == found.frequency && (!of_the_blend || use.event == found.event);
+  return use.frequency == found.frequency && use.damping == found.damping &&
+         (!of_the_blend || use.event == found.event);
 }
 
 /// Compares a recorded limit with the one found now. Only the value counts: its place may differ among samples with the
@@ -136,7 +137,10 @@ void compare_limit(const DesignResult& recorded, std::size_t i, const LimitUse& 
   compare.number("value of " + describe(found), use.value, found.value, floor);
   compare.number("utilisation of " + describe(found), use.utilisation, found.utilisation,
                  found.bound > 0.0 ? floor / found.bound : 0.0);
-  if (use.sample == found.sample && use.event == found.event && use.frequency == found.frequency) return;
+  if (use.sample == found.sample && use.event == found.event && use.frequency == found.frequency &&
+      use.damping == found.damping) {
+    return;
+  }
   std::vector<int> delays;
   for (const CornerResult& corner : recorded.corners) delays.push_back(corner.delay);
   const std::vector<double> parts = feed_parts(recorded);

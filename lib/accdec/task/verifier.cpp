@@ -220,8 +220,12 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
                                                       task.machine, part_of(parts, j));
     const SampledMotion& m = sampled.motion();
     const int zero = use.event == Event::start ? m.start : use.event == Event::blend ? m.corner : m.stop;
+    const auto last = use.event == Event::start   ? m.cruise_in
+                      : use.event == Event::blend ? m.cruise_out
+                                                  : static_cast<int>(m.velocity.rows()) - 1;
     const int row = zero + static_cast<int>(use.sample);
-    if (use.event == Event::none || row < 0 || row >= m.velocity.rows()) break;
+    // A later sample belongs to the next event.
+    if (use.event == Event::none || row < zero || row > last) break;
     if (use.kind == LimitKind::corner_error) return m.position.row(row).norm();
     if (use.kind == LimitKind::speed_min) return m.velocity.row(row).norm();
     if (use.kind == LimitKind::contour) {

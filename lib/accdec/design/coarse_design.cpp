@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include <accdec/design/anytime.hpp>
+#include <accdec/design/coarse_design.hpp>
+#include <accdec/files.hpp>
+#include <accdec/task/delays_by_formula.hpp>
+#include <accdec/task/objective.hpp>
+#include <accdec/task/order_bound.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Least number of taps of the designs at the long period; a third more are usual.
+constexpr int coarse_taps = 24;
+
+/// By which whole number the period is lengthened; 1 if not at all.
+int longer_period(const Task& task) {
+  const bool measured =
+      !task.machine.prefilter_taps.empty() ||
+      std::ranges::any_of(task.machine.axes, [](const Axis& axis) { return !axis.response_taps.empty(); });
+  if (task.filter || measured || task.corners.size() > 100) return 1;
+  const int most = task.design.order_max, least = std::min(most, order_lower_bound(task, most));
+  return least < 4 * coarse_taps ? 1 : least / coarse_taps;
+}
+
+Task at_longer_period(Task task, int times) {
+  task.sample_period *= times;
+  task.design.order_min = std::max(1, task.design.order_min / times);
+  task.design.order_max = std::max(task.design.order_min, task.design.order_max / times);
+  task.design.coefficient_bits = 0;
+  for (TaskCorner& corner : task.corners) {
+    if (corner.delay) corner.delay = (*corner.delay + times - 1) / times;
+  }
+  return task;
+}
+
+/// The filter's cumulative response, read `per_tap` times within a tap, behind a moving average.
+Filter finer(const Filter& filter, double per_tap, int average) {
+  std::vector<double> sums{0.0};
+  for (int i = 0; i <= filter.order(); ++i) sums.push_back(sums.back() + filter.tap(i));
+  const auto response = [&](double at) {
+    const double last = static_cast<double>(sums.size() - 1);
+    if (at >= last) return 1.0;
+    const auto i = static_cast<std::size_t>(at);
+    return sums[i] + (at - static_cast<double>(i)) * (sums[i + 1] - sums[i]);
+  };
+  const int count = static_cast<int>(std::ceil(per_tap * (filter.order() + 1) - 1e-9));
+  std::vector<double> taps(static_cast<std::size_t>(count + average - 1), 0.0);
+  for (int k = 0; k < count; ++k) {
+    const double tap = std::max(0.0, response((k + 1) / per_tap) - response(k / per_tap)) / average;
+    for (int j = 0; j < average; ++j) taps[static_cast<std::size_t>(k + j)] += tap;
+  }
+  return Filter(std::move(taps));
+}
+
+/// Whether all limits hold at exact stops, where no tolerance and no other leg counts. A filter that fails here fails
+/// at every delay, which takes much longer to find.
+bool holds_alone(const Task& task, const Filter& filter) {
+  const bool any_delay =
+      std::ranges::all_of(task.corners, [](const TaskCorner& c) { return !c.delay && c.speed_min <= 0.0; });
+  if (!any_delay) return true;
+  Task first = task;
+  first.corners.erase(first.corners.begin() + 1, first.corners.end());
+  return verify_by_simulation(first, filter, {filter.order() + 2}).feasible;
+}
+
+}  // namespace
+
+std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions& options, double seconds) {
+  const int times = longer_period(task);
+  if (times == 1) return std::nullopt;
+  const auto began = std::chrono::steady_clock::now();
+  DesignOptions coarse_options = options;
+  coarse_options.time_limit = 0.7 * seconds;
+  coarse_options.progress = nullptr;
+  coarse_options.exact.certificate = false;
+  const DesignResult coarse = design_anytime(at_longer_period(task, times), coarse_options);
+  if (!coarse.has_design()) return std::nullopt;
+  const auto stop = [&] {
+    return seconds_since(began) > seconds || (options.cancel != nullptr && options.cancel->load());
+  };
+  const LinearCost cost = cost_of(task);
+  std::optional<Filter> best;
+  std::vector<int> best_delays;
+  double least = unlimited;
+  for (const int average : {1, times / 4, times / 2, times, 2 * times}) {
+    for (const double stretch : {0.96, 0.98, 1.0, 1.01, 1.02, 1.03, 1.04, 1.06, 1.08, 1.1, 1.15, 1.2}) {
+      const Filter filter = finer(*coarse.filter, times * stretch, std::max(1, average));
+      if (stop() || filter.order() > task.design.order_max) break;
+      if (!holds_alone(task, filter)) continue;
+      const auto delays = delays_by_formula(filter, task, unlimited, stop);
+      if (!delays) continue;
+      if (const double value = cost(filter.order(), *delays); value < least)
+        least = value, best = filter, best_delays = *delays;
+      break;  // what is stretched more is longer
+    }
+  }
+  if (!best) return std::nullopt;
+  DesignResult result = assess(task, *best, best_delays, false);
+  if (!result.has_design()) return std::nullopt;
+  result.solver.method = "exact", result.solver.name = "longer period", result.solver.version = "accdec";
+  return result;
+}
+
+}  // namespace accdec
