@@ -278,7 +278,8 @@ ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double 
 
 std::optional<ScheduledPlan> schedule_stops(const Toolpath& path, const Filter& filter, double sample_period,
                                             const Machine& machine, const Deadline& deadline) {
-  return Scheduler(path, filter, sample_period, machine, deadline).run_with_stops();
+  // Every joint is a stop, so no corner has a feed of its own.
+  return Scheduler(path, filter, sample_period, machine, deadline, 0.0).run_with_stops();
 }
 
 }  // namespace accdec
