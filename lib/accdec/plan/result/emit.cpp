@@ -221,7 +221,9 @@ class Emission {
     // the tolerance in force must hold there, too.
     if (!timed_.used() && path_.joint[b] == Joint::straight && (mode == "G64" || mode == "G61")) {
       const bool rounded = mode_.starts_with("G64 P");
-      const double now = rounded ? std::stod(mode_.substr(5)) : 0.0, next = next_tolerance(b);
+      // Behind a servo the motion still turns where the command has gone on along a straight line.
+      const double now = rounded ? std::stod(mode_.substr(5)) : 0.0;
+      const double next = std::max(next_tolerance(b), std::ceil(1.05e9 * result_.errors[b]) * 1e-6);
       if (rounded && (next <= now || 1e3 * result_.errors[b] < 0.99 * now)) return;
       mode = "G64 P" + plain_number(next, 9);
     }
