@@ -47,12 +47,14 @@ class BlendCheck {
            residuals_hold(delay);
   }
 
- private:
+  /// The cheapest part of it.
   bool error_holds(int delay) const {
     if (!corner_.error_max) return true;
     const double error = corner_error(Blend(filter_, corner_.geometry(), delay, period_));
     return judged_distance(error) <= *corner_.error_max * formula_slack;
   }
+
+ private:
   bool contour_holds(int delay) const {
     if (!corner_.contour_max) return true;
     const double deviation = measure(Blend(filter_, corner_.geometry(), delay, period_)).contour_deviation;

@@ -164,9 +164,16 @@ class KindChoice {
     const auto at = static_cast<std::size_t>(delay);
     if (at >= known_[j].size()) return checks_[j].holds(delay);
     signed char& known = known_[j][at];
-    if (known < 0) known = checks_[j].holds(delay) ? 1 : 0;
+    if (known < 0 || known == only_error) known = checks_[j].holds(delay) ? 1 : 0;
     late_ = late_ || (stop_ && stop_());
     return known == 1;
+  }
+  bool error_holds(std::size_t j, int delay) {
+    const auto at = static_cast<std::size_t>(delay);
+    if (at >= known_[j].size()) return checks_[j].error_holds(delay);
+    signed char& known = known_[j][at];
+    if (known < 0) known = checks_[j].error_holds(delay) ? only_error : 0;
+    return known != 0;
   }
 
   /// The shortest delay of a corner without a width.
@@ -200,28 +207,36 @@ class KindChoice {
     return part ? Choice{0, DelayKind::corner_feed, *part} : choice;
   }
 
-  /// Takes for every corner the shorter of both kinds, if all have one and they cost least.
+  /// Takes for every corner the shorter of both kinds, if all have one and they cost least. The limits are looked at
+  /// only where errors alone leave that open.
   void offer(const std::vector<int>& by_width) {
+    if (const auto open = chosen(by_width, &KindChoice::error_holds); !open) return;
+    if (auto choice = chosen(by_width, &KindChoice::holds)) found_ = std::move(choice), best_ = cost_of_choice(*found_);
+  }
+
+  double cost_of_choice(const KindDelays& choice) const { return cost_(filter_.order(), choice.delays) + choice.lost; }
+
+  /// Empty unless it costs less than the best. @param held  whether a delay of a corner does
+  std::optional<KindDelays> chosen(const std::vector<int>& by_width, bool (KindChoice::*held)(std::size_t, int)) {
     std::vector<int> delays;
     std::vector<DelayKind> kinds;
     std::vector<double> parts;
     double lost = 0.0;
     for (std::size_t j = 0; j < others_.size(); ++j) {
       const bool shorter = by_width[j] >= 0 && !task_.corners[j].delay && by_width[j] < samples_of(others_[j]);
-      if (shorter && holds(j, by_width[j])) {
+      if (shorter && (this->*held)(j, by_width[j])) {
         delays.push_back(by_width[j]), kinds.push_back(DelayKind::in_position), parts.push_back(1.0);
       } else if (others_[j].delay >= 0) {
         delays.push_back(others_[j].delay), kinds.push_back(others_[j].kind), parts.push_back(others_[j].part);
         if (parts.back() < 1.0) lost += cost_.delay[j] * corner_feeds_.lost(parts.back());
       } else {
-        return;
+        return std::nullopt;
       }
     }
-    const double cost = cost_(filter_.order(), delays) + lost;
-    if (!(cost < best_ * (1.0 - 1e-12))) return;
-    best_ = cost;
-    found_ = {std::move(delays), std::move(kinds), std::nullopt, {}, lost};
-    if (lost > 0.0) found_->parts = std::move(parts);
+    KindDelays choice{std::move(delays), std::move(kinds), std::nullopt, {}, lost};
+    if (lost > 0.0) choice.parts = std::move(parts);
+    if (!(cost_of_choice(choice) < best_ * (1.0 - 1e-12))) return std::nullopt;
+    return choice;
   }
 
   /// From the widest on, one step of one or more delays after another.
@@ -259,7 +274,8 @@ class KindChoice {
   double best_;
   bool late_ = false, none_else_ = false;
   std::vector<BlendCheck> checks_;
-  std::vector<std::vector<signed char>> known_;  ///< of each corner and delay: -1 until it is checked
+  static constexpr signed char only_error = 2;
+  std::vector<std::vector<signed char>> known_;  ///< of each corner and delay: -1 until it is checked, only_error, 0, 1
   std::vector<Choice> others_;
   std::optional<KindDelays> found_;
 };
