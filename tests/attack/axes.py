@@ -12,7 +12,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "axes"))
 import draw  # noqa: E402
 import moved  # noqa: E402
 
-FORGERIES = 20  # of a design
+FORGERIES = 10  # of a design
 
 
 def wrong(task, result):
