@@ -11,7 +11,7 @@ Written by `tests/peers/league.py`, which runs all planners on the same programs
 accelerations and jerks as in the tables, one position a millisecond. `tests/peers/check.py` judges every motion from
 its positions only. It knows nothing of who planned it.
 
-* *holds* counts motions that keep velocity, acceleration and jerk of every axis within 0.1 %%, pass every programmed
+* *holds* counts motions that keep velocity, acceleration and jerk of every axis within 2 %%, pass every programmed
   point within its tolerance, and stay within the tolerance of the legs that they run along.
 * *fastest* counts programs on which no planner that holds is faster by more than 0.1 %%.
 * *behind* is the median over its motions that hold of their time over that of the fastest planner that holds.
