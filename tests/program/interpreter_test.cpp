@@ -140,6 +140,10 @@ TEST_F(Interpreter, SubroutinesInFilesOfTheirOwnTakeNoToolThatNobodyGave) {
   write("part.ngc", start + "o<pick> call\nG1 X20 Y20\nX40\nY60\nG40\nG1 X60\nM2\n");
   EXPECT_EQ(run("program part.ngc --task task.toml").code, 2);
   EXPECT_THAT(read("err"), HasSubstr("a subroutine in a file of its own: G41 and G42 take the diameter of a tool"));
+  // The parameters that hold the tool's length are named where they stand.
+  write("pick.ngc", "o<pick> sub\nT1 M6\nG1 Z[#5403]\no<pick> endsub\nM2\n");
+  EXPECT_EQ(run("program part.ngc --task task.toml --json none.json").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("pick.ngc:3:6: #5401 to #5413 are lengths and diameters of a tool"));
 }
 
 // Offsets are in the coordinates and their words are gone: whoever runs the program must not let them act again.

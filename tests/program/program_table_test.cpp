@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <regex>
 
 #include <fmt/format.h>
@@ -35,6 +36,23 @@ TEST_F(ProgramTable, RowsOfExactStopsAndOfNoDelayFollowFromTheFilter) {
   EXPECT_NEAR(row(done.out, "no delay at any corner"), 0.641, printed);
 }
 
+// A half circle of 10 mm between stops of G61.1, behind an average of 41 taps, whose variance is (41^2 - 1)/12
+// samples^2. Stops at its ends alone leave v^2 s^2/(2 R) inside the arc. The lines take 0.1 s each at their feed, every
+// stop 41 samples, and the rest is the arc's.
+TEST_F(ProgramTable, TheRowOfExactStopsNamesAToleranceThatArcsBreak) {
+  write("arc.toml",
+        "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\nacceleration_max_mm_s2 = 3000\n");
+  write("part.ngc", "G21 G90 G17 G61.1 F6000\nG1 X10\nG2 X30 I10\nG1 Y-10\nM2\n");
+  const auto done = run("program part.ngc --task arc.toml --feeds keep");
+  ASSERT_EQ(done.code, 0) << done.err;
+  constexpr double radius = 10e-3, variance = (41.0 * 41.0 - 1.0) / 12.0 * 1e-6;
+  const double arc = row(done.out, "exact stop at every corner") - 2.0 * 0.1 - 3.0 * 0.041;
+  const double feed = std::numbers::pi * radius / arc;
+  ASSERT_GT(feed * feed * variance / (2.0 * radius), 2e-6) << "what G61.1 grants at most";
+  EXPECT_THAT(done.out,
+              testing::ContainsRegex("exact stop at every corner .*\n    but breaks the tolerance in line 3"));
+}
+
 // The row of programmed feeds is what `--feeds keep` takes, with a filter that is found and with a given one. The given
 // one starts no move at 20 m/min, so that chosen feeds are faster.
 TEST_F(ProgramTable, TheRowOfProgrammedFeedsIsThatOfKeptFeeds) {
@@ -53,6 +71,10 @@ TEST_F(ProgramTable, TheRowOfProgrammedFeedsIsThatOfKeptFeeds) {
     EXPECT_NEAR(row(chosen.out, "feeds as programmed"), row(kept.out, "cycle time"), printed) << name;
     EXPECT_LE(row(chosen.out, "cycle time"), row(kept.out, "cycle time") + printed) << name;
     EXPECT_EQ(row(kept.out, "feeds as programmed"), -1.0) << name;
+    // Below it stand the times of other rules at these feeds.
+    EXPECT_NEAR(row(chosen.out, "  with a stop at all corners"), row(kept.out, "exact stop at every corner"), printed);
+    EXPECT_NEAR(row(chosen.out, "  without delays at corners"), row(kept.out, "no delay at any corner"), printed);
+    EXPECT_EQ(row(chosen.out, "exact stop at every corner"), -1.0) << name;
   }
 }
 

@@ -33,8 +33,8 @@ TEST(StopEverywhere, HoldsWhateverTheProgram) {
   }
 }
 
-// From rest to rest along L, steps of a tau every tau through an average of tau take L/v + v/a: 0.3 s for 20 mm at
-// 100 mm/s and 1 m/s^2. In one step it is 20 mm/s at most, which takes 1 s.
+// From rest to rest, steps of a tau every tau through an average of tau take L/v + v/a. That is 0.3 s for 20 mm at
+// 100 mm/s and 1 m/s^2. One step reaches 20 mm/s at most, which takes 1 s.
 TEST(StopEverywhere, StepsOfTheFeedInsideBlocksSaveMostOfTheTime) {
   const Machine machine = test::machine_of(1.0, unlimited, 0.5, 2);
   std::string text = "G64 P0.001 F6000\n";

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -161,6 +162,34 @@ std::string place_of_line(const std::string& program, std::int64_t line) {
   return program + ": a subroutine in a file of its own";
 }
 
+/// The name behind an O word before `keyword`, as rs274 reads it; empty if the line has another.
+std::string name_before(const std::string& words, std::string_view keyword) {
+  const std::size_t named = words.find('>'), at = words.find(keyword, named == std::string::npos ? 1 : named);
+  if (!words.starts_with('O') || at == std::string::npos) return "";
+  std::string name = words.substr(1, at - 1);
+  std::erase_if(name, [](char c) { return c == '<' || c == '>'; });
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
+}
+
+/// Refuses parameters of tools in subroutines that rs274 takes from files of their own, in the folder it runs in.
+void refuse_parameters_of_subroutines(std::string_view text, const ProgramTools& tools, std::set<std::string>& seen) {
+  std::set<std::string> called;
+  for (const std::string_view line : lines_of(text)) {
+    const std::string words = words_of(without_number(line));
+    if (const std::string name = name_before(words, "SUB"); !name.empty()) seen.insert(name);
+    if (const std::string name = name_before(words, "CALL"); !name.empty()) called.insert(name);
+  }
+  for (const std::string& name : called) {
+    const std::string file = name + ".ngc";
+    if (name.find('/') != std::string::npos || !seen.insert(name).second || !std::filesystem::is_regular_file(file))
+      continue;
+    const std::string own = read_text_file(file, result_file_limit);
+    refuse_tool_parameters(file, own, tools);
+    refuse_parameters_of_subroutines(own, tools, seen);
+  }
+}
+
 constexpr std::string_view of_a_tool = "of a tool, which LinuxCNC has in its tool table:";
 
 /// rs274 has tools of its own where it is given none: lengths and diameters that nobody meant.
@@ -236,6 +265,8 @@ Toolpath read_interpreted(const std::filesystem::path& program, const ProgramToo
   if (!tools.table.empty() && !std::filesystem::is_regular_file(tools.table))
     throw std::invalid_argument(tools.table + ": no such tool table (--tool-table)");
   refuse_tool_parameters(name, text, tools);
+  std::set<std::string> seen;
+  refuse_parameters_of_subroutines(text, tools, seen);
   const TemporaryFile copy(numbered_lines(text));
   std::optional<TemporaryFile> table;
   if (!tools.table.empty() && !tools.table_in_inch)

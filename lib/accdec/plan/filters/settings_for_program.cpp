@@ -155,24 +155,46 @@ class MemberSearch {
 
 SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                                         const std::function<void(const std::string&)>& tell) {
+  const Deadline for_today(std::max(0.05, 0.5 * deadline.left()) + deadline.left());
   const SettingsTrials trials(path, task, keep, deadline);
   SettingsForProgram result;
   const std::optional<FilterSpec>& today = task.filter ? task.filter : task.baseline;
   result.best = MemberSearch(task, trials, deadline, tell).run(today ? &*today : nullptr);
   if (!today) return result;
   const Filter filter = make_filter(*today);
-  const Deadline never;
-  const SettingsTrials unbounded(path, task, keep, never);
-  const TimedSetting time = unbounded.plan(filter, unbounded.guess(filter), true);
+  const SettingsTrials again(path, task, keep, for_today);
+  const TimedSetting time = again.plan(filter, again.guess(filter), true);
   if (!(time.samples < unlimited)) return result;
   ProgramSettings now{.chosen = {.filter = *today}, .width = time.width};
   result.today = std::move(now);
   return result;
 }
 
+namespace {
+
+/// Why no setting will do, if that is known before any is planned; else empty.
+std::string refusal(const Toolpath& path, const Task& task) {
+  if (!runs_on(control_of(*task.settings, 0.0))) return "";
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] != Joint::corner || path.tolerance[b] > 0.0) continue;
+    return fmt::format(
+        "the corner in line {} has no tolerance (G61), and with these [controller] delays the control never waits: use "
+        "G64 P there, or name a kind that waits, such as \"exact-stop\"",
+        path.line[b]);
+  }
+  return "";
+}
+
+}  // namespace
+
 ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
+  if (std::string why = refusal(path, task); !why.empty()) {
+    ProgramFilter none;
+    none.message = std::move(why);
+    return none;
+  }
   const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
   ProgramFilter result;
   result.solver.method = "settings planned one by one";

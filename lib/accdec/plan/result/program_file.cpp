@@ -62,6 +62,14 @@ void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) 
   if (task.settings) path.control = control_of(*task.settings, choice.settings ? choice.settings->width : 0.0);
 }
 
+/// The time at the programmed feeds, and those of other rules for delays at these feeds.
+void take_kept(const ProgramResult& from, double time, ProgramResult& result) {
+  result.cycle_time_kept = time;
+  result.cycle_time_exact_stop = from.cycle_time_exact_stop;
+  result.exact_stop_breaks = from.exact_stop_breaks;
+  result.cycle_time_no_delay = from.cycle_time_no_delay;
+}
+
 /// As `--feeds keep` plans the program, with the filter designed for that, if it is faster than the result.
 void offer_kept(const std::string& name, ProgramFile& file, const Task& task, const ProgramFileOptions& options,
                 ProgramResult& result) {
@@ -76,10 +84,7 @@ void offer_kept(const std::string& name, ProgramFile& file, const Task& task, co
                                    coarse.feeds, options.deadline);
   const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
   if (kept.verification.feasible && (!result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept)) {
-    result.cycle_time_kept = kept.cycle_time;
-    result.cycle_time_exact_stop = kept.cycle_time_exact_stop;
-    result.exact_stop_breaks = kept.exact_stop_breaks;
-    result.cycle_time_no_delay = kept.cycle_time_no_delay;
+    take_kept(kept, kept.cycle_time, result);
   }
   if (kept.verification.feasible && (!result.verification.feasible || kept.cycle_time < result.cycle_time)) {
     result = std::move(kept);
@@ -135,6 +140,8 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
     path.control = control_of(*task.settings, choice.today->width);
     const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
                                             task, false, options.feeds, options.deadline);
+    // A plan that was cut short says little of the setting.
+    if (options.deadline.over()) return;
     result.has_today = true;
     if (today.verification.feasible) result.settings->today = today.cycle_time;
   }
@@ -168,7 +175,7 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
         !options.compensate_arcs || !other.plan.path.programmed.empty() || result.plan.path.programmed.empty();
     const bool better = other.verification.feasible && as_asked &&
                         (!result.verification.feasible || other.cycle_time < result.cycle_time);
-    if (!result.cycle_time_kept) result.cycle_time_kept = other.cycle_time_kept;
+    if (!result.cycle_time_kept && other.cycle_time_kept) take_kept(other, *other.cycle_time_kept, result);
     if (better) {
       result = std::move(other);
       file.reading = again.reading;

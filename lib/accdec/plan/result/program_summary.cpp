@@ -83,11 +83,15 @@ class SummaryText {
         put("  {}\n", describe(other));
     }
     if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
-    if (result_.feeds_chosen && result_.cycle_time_kept)
+    // The rows below are then those of the programmed feeds, too.
+    const bool at_kept = result_.feeds_chosen && result_.cycle_time_kept;
+    if (at_kept)
       row(result_.kept_same_filter ? "same filter, programmed feeds" : "feeds as programmed", *result_.cycle_time_kept);
-    if (result_.cycle_time_exact_stop) row("exact stop at every corner", *result_.cycle_time_exact_stop);
+    if (result_.cycle_time_exact_stop)
+      row(at_kept ? "  with a stop at all corners" : "exact stop at every corner", *result_.cycle_time_exact_stop);
     if (!result_.exact_stop_breaks.empty()) put("    but breaks {}\n", result_.exact_stop_breaks);
-    if (result_.cycle_time_no_delay) row("no delay at any corner", *result_.cycle_time_no_delay);
+    if (result_.cycle_time_no_delay)
+      row(at_kept ? "  without delays at corners" : "no delay at any corner", *result_.cycle_time_no_delay);
     for (const NamedBound& bound : named_bounds(result_.lower_bound, result_.corner_bound)) {
       row("bound, " + bound.name, bound.time);
       put("    for {}\n", bound.motions);
