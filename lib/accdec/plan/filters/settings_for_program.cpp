@@ -170,11 +170,30 @@ SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, 
   return result;
 }
 
+namespace {
+
+/// The first corner that must be passed exactly (G61), by its line, where the control runs on at every corner.
+std::string corner_without_stop(const Toolpath& path, const Task& task) {
+  if (!runs_on(control_of(*task.settings, 0.0))) return "";
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] == Joint::corner && !(path.tolerance[b] > 0.0))
+      return fmt::format(
+          "line {} ends in a corner under G61, which needs a stop, and the control's `delays` run on at "
+          "every corner: name one that waits, too (exact-stop, in-position, dwell, timed-axis)",
+          path.line[b]);
+  }
+  return "";
+}
+
+}  // namespace
+
 ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
-  const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
   ProgramFilter result;
+  result.message = corner_without_stop(path, task);
+  if (!result.message.empty()) return result;
+  const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
   result.solver.method = "settings planned one by one";
   result.solver.name = "families";
   result.solver.wall_time = seconds_since(start);
