@@ -93,14 +93,15 @@ void check_options(const ProgramArguments& options) {
   }
 }
 
-/// Whether kept feeds leave the task's control nothing that holds a tolerance.
-bool only_runs_on(const ProgramArguments& options, const Task& task) {
-  return options.feeds == "keep" && task.settings && runs_on(control_of(*task.settings, 0.0));
+/// Whether the task's control holds tolerances by lower feeds alone.
+bool only_runs_on(const Task& task) {
+  return task.settings && runs_on(control_of(*task.settings, 0.0));
 }
 
 /// @throws InputError for a control whose delays --feeds keep does not give
 void require_delays(const ProgramArguments& options, const Task& task) {
-  if (options.plan != "fixed" || !only_runs_on(options, task) || task.settings->names(DelayKind::continuous)) return;
+  if (options.plan != "fixed" || options.feeds != "keep" || !only_runs_on(task)) return;
+  if (task.settings->names(DelayKind::continuous)) return;
   throw error_at_delays(options.task,
                         "`delays` = \"corner-feed\" lowers the feed at corners, and --feeds keep commands the "
                         "programmed feeds; allowed are --feeds choose, or another kind beside it: continuous, "
@@ -166,7 +167,7 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
     result = run_program_file(options.program, file, task, options.file,
                               [&](const std::string& line) { status.tell(line); });
     if (result->plan.empty()) {
-      const bool delays = only_runs_on(options, task);
+      const bool delays = only_runs_on(task);
       const std::string why = delays ? error_at_delays(options.task, result->message).what() : result->message;
       std::fprintf(stderr, "%s\n", why.c_str());
       context.exit_code = exit_no_answer;

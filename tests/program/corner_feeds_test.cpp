@@ -80,11 +80,14 @@ TEST(ProgramCornerFeeds, ACornerBetweenLongLegsIsPassedAtTheLargestMultiple) {
     int taps;
     double step;
   };
-  for (const Case& c : {Case{6000, 3000, 0.05, 20, 0.05}, {3000, 6000, 0.05, 20, 0.07}, {3000, 3000, 0.02, 20, 0.1},
-                        {6000, 6000, 0.5, 12, 0.05}, {5000, 4000, 0.4, 16, 0.15}, {900, 1100, 0.1, 14, 0.05}}) {
-    Toolpath path = test::path_of(fmt::format("G21 G90 G64 P{}\nG1 X60 F{}\nY60 F{}\nM2\n", c.tolerance, c.before,
-                                              c.behind),
-                                  task.machine);
+  for (const Case& c : {Case{6000, 3000, 0.05, 20, 0.05},
+                        {3000, 6000, 0.05, 20, 0.07},
+                        {3000, 3000, 0.02, 20, 0.1},
+                        {6000, 6000, 0.5, 12, 0.05},
+                        {5000, 4000, 0.4, 16, 0.15},
+                        {900, 1100, 0.1, 14, 0.05}}) {
+    Toolpath path = test::path_of(
+        fmt::format("G21 G90 G64 P{}\nG1 X60 F{}\nY60 F{}\nM2\n", c.tolerance, c.before, c.behind), task.machine);
     path.control = {{DelayKind::corner_feed, DelayKind::continuous}, 0.0};
     const ScheduledPlan plan =
         schedule_feeds(path, boxcar(c.taps - 1), 1e-3, program_machine(task.machine, path), 40, {}, c.step);
@@ -104,8 +107,8 @@ TEST(ProgramCornerFeeds, ACornerBetweenLongLegsIsPassedAtTheLargestMultiple) {
       ++multiple;
     const bool whole = error <= c.tolerance && acceleration <= 6000.0;
     const double part = whole ? 1.0 : multiple * c.step;
-    const auto at = static_cast<std::size_t>(
-        std::find(plan.path.joint.begin(), plan.path.joint.end(), Joint::corner) - plan.path.joint.begin());
+    const auto at = static_cast<std::size_t>(std::find(plan.path.joint.begin(), plan.path.joint.end(), Joint::corner) -
+                                             plan.path.joint.begin());
     ASSERT_LT(at + 1, plan.path.blocks());
     EXPECT_EQ(plan.plan.delays[at], 0);
     EXPECT_NEAR(feed_of(plan.path, at) / c.before, part, 1e-6) << c.before << " " << c.behind;
@@ -120,7 +123,9 @@ TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
   int held = 0, seen = 0, short_blocks = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);
-    const auto draw = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    const auto draw = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(random);
+    };
     std::string text = "G21 G90 G64 P0.05\n";
     std::map<std::uint32_t, double> feed;  // of each line; 0: rapid
     double x = 0.0, y = 0.0, heading = 0.0;
@@ -139,8 +144,7 @@ TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
     path.control = {{DelayKind::corner_feed, stops ? DelayKind::exact_stop : DelayKind::continuous}, 0.0};
     if (stops) path.control.kinds.push_back(DelayKind::continuous);
     const Filter filter = averages(std::vector<int>{12, 6});
-    const ScheduledPlan plan =
-        schedule_feeds(path, filter, 1e-3, program_machine(task.machine, path), 40, {}, step);
+    const ScheduledPlan plan = schedule_feeds(path, filter, 1e-3, program_machine(task.machine, path), 40, {}, step);
     // A control that only lowers feeds may have no multiple that is slow enough.
     if (!all_holds(plan.plan) || !corner_feeds_had(plan.path, path, plan.plan.delays, step)) continue;
     ++held;
@@ -178,7 +182,8 @@ TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
     EXPECT_EQ(command.delays[b], 0) << "line " << path.line[b];
     EXPECT_LE(direct_error(motion, path, b), 50e-6 * (1.0 + 1e-9)) << "line " << path.line[b];
     const DelayKind kind = result.settings->chosen.delays[b];
-    if (kind == DelayKind::corner_feed) expect_steps(path, b, 3000.0, 3000.0, 0.05, fmt::format("line {}", path.line[b]));
+    if (kind == DelayKind::corner_feed)
+      expect_steps(path, b, 3000.0, 3000.0, 0.05, fmt::format("line {}", path.line[b]));
     slowed += kind == DelayKind::corner_feed ? 1 : 0, whole += kind == DelayKind::continuous ? 1 : 0;
   }
   EXPECT_GE(slowed, 4);
@@ -207,8 +212,9 @@ TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
 
 /// The feeds written and recorded are those of the task's step: with another one the record is rejected.
 TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
-  write("control.toml", std::string(machine_text) + "[design]\nfamily = \"averages\"\nstages = 1\norder_max = 30\n"
-                                                    "[controller]\ndelays = \"corner-feed\"\ncorner_feed_step = 0.125\n");
+  write("control.toml", std::string(machine_text) +
+                            "[design]\nfamily = \"averages\"\nstages = 1\norder_max = 30\n"
+                            "[controller]\ndelays = \"corner-feed\"\ncorner_feed_step = 0.125\n");
   write("part.ngc", corners);
   ASSERT_EQ(run("program part.ngc --task control.toml --time-limit 4 --json r.json --emit e.ngc").code, 0)
       << read("err");
@@ -258,6 +264,19 @@ TEST_F(ProgramCommand, CornerFeedsAloneAreRefusedWhereFeedsAreKept) {
   EXPECT_THAT(none.err, HasSubstr("use --feeds choose, or name a kind that waits: exact-stop"));
   write("straight.ngc", "G21 G90 G64 P0.05\nG1 X30 F3000\nX60\nM2\n");
   EXPECT_EQ(run("program straight.ngc --feeds keep --task control.toml --time-limit 4").code, 0) << read("err");
+}
+
+/// Nothing but a stop passes a corner under G61.
+TEST_F(ProgramCommand, CornersUnderG61AreRefusedAtOnceForAControlThatRunsOn) {
+  write("g61.ngc", "G21 G90 G61 F2000\nG1 X5\nG1 Y5\nM2\n");
+  for (const char* delays : {"\"continuous\"", "\"corner-feed\""}) {
+    write("control.toml",
+          std::string(machine_text) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = " + delays);
+    const Output refused = run("program g61.ngc --task control.toml --json k.json");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.err, HasSubstr("control.toml:11:10: line 2 ends in a corner under G61"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.path("k.json")));
+  }
 }
 
 }  // namespace

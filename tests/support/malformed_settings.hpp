@@ -36,6 +36,7 @@ inline std::vector<Case> settings_cases() {
        end("[design]\nfamily = \"averages\"\nlength_step_ms = 4\nlength_set_ms = [4, 8]"),
        "21:18",
        {"both given"}},
+      {"controller_file_missing", end("[controller]\nfile = \"nope.toml\""), "20:8", {"nope.toml does not exist"}},
       {"length_set_of_two_alone",
        end("[design]\nfamily = \"averages\"\nlength_set_2_ms = [4, 8]"),
        "21:19",

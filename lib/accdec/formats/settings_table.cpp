@@ -170,6 +170,9 @@ std::optional<ControllerSettings> named_controller(const Table& table, double pe
     table.fail_at(key, "`file` must end in .toml; `name` names a built-in controller");
   // A file lies beside the task that names it.
   if (name.ends_with(".toml")) name = (std::filesystem::path(table.file()).parent_path() / name).string();
+  if (name.ends_with(".toml") && !std::filesystem::exists(name))
+    table.fail_at(
+        key, fmt::format("`{}`: {} does not exist; a controller's file lies beside the task that names it", key, name));
   try {
     const Controller controller = find_controller(name);
     ControllerSettings settings = settings_of(controller, period);

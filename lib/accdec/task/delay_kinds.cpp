@@ -17,6 +17,9 @@ namespace {
 /// Widths closer than this part are one width: no controller tells them apart.
 constexpr double same_width = 1e-9;
 
+/// The state of a delay of which only the error was looked at.
+constexpr signed char only_error = 2;
+
 /// Samples that a limit may ask for at an exact stop, behind the least delay at which the legs do not overlap.
 constexpr int exact_stop_more = 2;
 
@@ -274,7 +277,6 @@ class KindChoice {
   double best_;
   bool late_ = false, none_else_ = false;
   std::vector<BlendCheck> checks_;
-  static constexpr signed char only_error = 2;
   std::vector<std::vector<signed char>> known_;  ///< of each corner and delay: -1 until it is checked, only_error, 0, 1
   std::vector<Choice> others_;
   std::optional<KindDelays> found_;

@@ -172,15 +172,15 @@ SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, 
 
 namespace {
 
-/// Why no setting will do, if that is known before any is planned; else empty.
-std::string refusal(const Toolpath& path, const Task& task) {
+/// The first corner that must be passed exactly (G61), by its line, where the control runs on at every corner.
+std::string corner_without_stop(const Toolpath& path, const Task& task) {
   if (!runs_on(control_of(*task.settings, 0.0))) return "";
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-    if (path.joint[b] != Joint::corner || path.tolerance[b] > 0.0) continue;
-    return fmt::format(
-        "the corner in line {} has no tolerance (G61), and with these [controller] delays the control never waits: use "
-        "G64 P there, or name a kind that waits, such as \"exact-stop\"",
-        path.line[b]);
+    if (path.joint[b] == Joint::corner && !(path.tolerance[b] > 0.0))
+      return fmt::format(
+          "line {} ends in a corner under G61, which needs a stop, and the control's `delays` run on at "
+          "every corner: name one that waits, too (exact-stop, in-position, dwell, timed-axis)",
+          path.line[b]);
   }
   return "";
 }
@@ -190,13 +190,10 @@ std::string refusal(const Toolpath& path, const Task& task) {
 ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
-  if (std::string why = refusal(path, task); !why.empty()) {
-    ProgramFilter none;
-    none.message = std::move(why);
-    return none;
-  }
-  const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
   ProgramFilter result;
+  result.message = corner_without_stop(path, task);
+  if (!result.message.empty()) return result;
+  const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
   result.solver.method = "settings planned one by one";
   result.solver.name = "families";
   result.solver.wall_time = seconds_since(start);
