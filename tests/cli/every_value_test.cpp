@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,11 +32,13 @@ void values(const Json& json, const Json::json_pointer& at, bool first, std::vec
 }
 
 /// Each value as null, as each other kind, huge, and left out.
+/// @param tried  values of these places are passed over; the others are added
 template <class Check>
-void for_each_wrong(const Json& good, const Check& check) {
+void for_each_wrong(const Json& good, std::set<std::string>& tried, const Check& check) {
   std::vector<Json::json_pointer> all;
   values(good, Json::json_pointer(), true, all);
   for (const Json::json_pointer& at : all) {
+    if (!tried.insert(at.to_string()).second) continue;
     for (const Json& wrong : {Json(nullptr), Json("x"), Json::array(), Json::object(), Json(1e300)}) {
       if (good[at].type() == wrong.type()) continue;
       Json bad = good;
@@ -59,9 +62,11 @@ void expect_house_message(const Outcome& outcome, const std::string& what) {
 }
 
 TEST_F(ProgramResult, ValuesOfOtherKindsAreNamedInItsOwnWords) {
+  std::set<std::string> tried;  // one reader reads what all plans have
   for (const std::vector<std::string>& how : {std::vector<std::string>{"--plan", "fixed"}, {"--plan", "free"}}) {
     ASSERT_EQ(plan(how).code, 0);
-    for_each_wrong(json(), [&](const Json& bad, const std::string& what) { expect_house_message(changed(bad), what); });
+    for_each_wrong(json(), tried,
+                   [&](const Json& bad, const std::string& what) { expect_house_message(changed(bad), what); });
   }
   ASSERT_EQ(plan().code, 0);
   const Json good = json();
@@ -82,7 +87,9 @@ TEST_F(ProgramResult, ValuesOfDesignsOfOtherKindsAreNamedInItsOwnWords) {
                                          "jerk_max_mm_s3 = 2000000\n[[corner]]\nangle_deg = 90\n"
                                          "feed_in_mm_min = 3000\nerror_max_um = 50\n");
   ASSERT_EQ(run({"design", task, "--json", result_}).code, 0);
-  for_each_wrong(json(), [&](const Json& bad, const std::string& what) { expect_house_message(changed(bad), what); });
+  std::set<std::string> tried;
+  for_each_wrong(json(), tried,
+                 [&](const Json& bad, const std::string& what) { expect_house_message(changed(bad), what); });
 }
 
 // The arc tolerance is doubled, because a slightly larger one gives the same chords.

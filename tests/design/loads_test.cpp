@@ -172,6 +172,7 @@ TEST(Loads, ASharedSupplyHoldsAndSaysWhatIsNotProved) {
   axis.mass = 30.0, axis.damping = 100.0, axis.acceleration_max = 8.0;
   for (const double total : {20.0, 45.0}) {
     Task task = plane_task(axis, plane_corner("A", 90.0, 45.0, 0.25, 0.25), 80e-6);
+    task.sample_period = 2e-3;
     const DesignResult without = designed(task, 20.0);
     task.machine.regeneration_total_max = total, task.machine.power_total_max = 2.0 * total;
     const DesignResult result = designed(task, 20.0);

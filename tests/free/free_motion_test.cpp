@@ -57,7 +57,7 @@ TEST(FreeMotion, OfOneCornerIsTheOptimumOfALinearProgramme) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   constexpr double T = 4e-3;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < test_support::tries(6); ++i) {
     const Task task = task_of(T, i % 3 == 2 ? 30.0 : unlimited);
     const test::FreeCorner corner(2.0 * std::numbers::pi * unit(random), 0.3 + 2.0 * unit(random), 0.012,
                                   i % 2 == 0 ? 5e-4 : 5e-5, 0.1, task.machine.axes[0], T);

@@ -1,14 +1,17 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/corner.hpp>
+#include <accdec/files/words.hpp>
 #include <accdec/filter.hpp>
 
 namespace accdec::comparison {
@@ -36,38 +39,27 @@ double uniform(std::mt19937_64& rng, double low, double high) {
   return low + (high - low) * (static_cast<double>(rng() >> 11) * 0x1p-53);
 }
 
+constexpr std::array<std::pair<Question, std::string_view>, 3> question_words{
+    {{Question::margin, "margin"}, {Question::delay, "delay"}, {Question::design, "design"}}};
+constexpr std::array<std::pair<Expected, std::string_view>, 3> expected_words{
+    {{Expected::feasible, "feasible"}, {Expected::infeasible, "infeasible"}, {Expected::unknown, "unknown"}}};
+
 }  // namespace
 
 std::string_view to_string(Question question) {
-  switch (question) {
-    case Question::margin: return "margin";
-    case Question::delay: return "delay";
-    case Question::design: return "design";
-  }
-  return "?";
+  return word_of(question_words, question);
 }
 
 std::optional<Question> question_from_string(std::string_view name) {
-  for (const Question q : {Question::margin, Question::delay, Question::design}) {
-    if (to_string(q) == name) return q;
-  }
-  return std::nullopt;
+  return value_of<Question>(question_words, name);
 }
 
 std::string_view to_string(Expected expected) {
-  switch (expected) {
-    case Expected::feasible: return "feasible";
-    case Expected::infeasible: return "infeasible";
-    case Expected::unknown: return "unknown";
-  }
-  return "?";
+  return word_of(expected_words, expected);
 }
 
 std::optional<Expected> expected_from_string(std::string_view name) {
-  for (const Expected e : {Expected::feasible, Expected::infeasible, Expected::unknown}) {
-    if (to_string(e) == name) return e;
-  }
-  return std::nullopt;
+  return value_of<Expected>(expected_words, name);
 }
 
 CaseSpec refined(CaseSpec spec, int factor) {

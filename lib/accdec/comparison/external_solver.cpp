@@ -29,8 +29,10 @@ constexpr std::uintmax_t most_answer_bytes = 100'000'000;
 class ScratchFolder {
  public:
   ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "accdec-external-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder can be made in " + name);
+    std::error_code missing;
+    std::string name = (fs::temp_directory_path(missing) / "accdec-external-XXXXXX").string();
+    if (missing || !::mkdtemp(name.data()))
+      throw std::runtime_error("no temporary folder can be made; TMPDIR must name a folder that can be written to");
     path_ = name;
   }
   ~ScratchFolder() {

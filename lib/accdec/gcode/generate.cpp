@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -9,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/words.hpp>
 #include <accdec/gcode/generate.hpp>
+#include <accdec/gcode/line_writer.hpp>
 
 namespace accdec {
 namespace {
@@ -27,29 +28,18 @@ constexpr std::array<std::pair<GeneratedProgram, std::string_view>, 9> names{
 constexpr double degree = std::numbers::pi / 180.0;
 
 /// Writes lines and counts the moves among them.
-class Writer {
+class Writer : public LineWriter {
  public:
-  explicit Writer(std::ostream& out) : out_(out) {}
-  template <class... Args>
-  void line(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(buffer_), format, std::forward<Args>(args)...);
-    buffer_.push_back('\n');
-    if (buffer_.size() > 60000) flush();
-  }
+  using LineWriter::LineWriter;
   template <class... Args>
   void move(fmt::format_string<Args...> format, Args&&... args) {
     line(format, std::forward<Args>(args)...);
+    pass_on();
     ++moves_;
   }
   long moves() const { return moves_; }
-  void flush() {
-    out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    buffer_.clear();
-  }
 
  private:
-  std::ostream& out_;
-  fmt::memory_buffer buffer_;
   long moves_ = 0;
 };
 
@@ -216,14 +206,11 @@ void spiral(Writer& w, long blocks) {
 }  // namespace
 
 std::string_view to_string(GeneratedProgram kind) {
-  return std::find_if(names.begin(), names.end(), [=](const auto& n) { return n.first == kind; })->second;
+  return word_of(names, kind);
 }
 
 std::optional<GeneratedProgram> generated_program_from_string(std::string_view name) {
-  for (const auto& [kind, text] : names) {
-    if (text == name) return kind;
-  }
-  return std::nullopt;
+  return value_of<GeneratedProgram>(names, name);
 }
 
 void generate_program(GeneratedProgram kind, const GenerateOptions& options, std::ostream& out) {

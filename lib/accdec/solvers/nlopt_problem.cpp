@@ -39,8 +39,10 @@ nlopt_result NloptProblem::attach() {
     const std::vector<double> tolerances(sides.size(), tolerance_);
     return nlopt_add(opt_, static_cast<unsigned>(sides.size()), callback, this, tolerances.data());
   };
-  const nlopt_result first = add(inequalities_, nlopt_add_inequality_mconstraint, inequalities);
-  return first < 0 ? first : add(equalities_, nlopt_add_equality_mconstraint, equalities);
+  const nlopt_result first =
+      add(inequalities_, nlopt_add_inequality_mconstraint, constraints<&NloptProblem::inequalities_>);
+  if (first < 0) return first;
+  return add(equalities_, nlopt_add_equality_mconstraint, constraints<&NloptProblem::equalities_>);
 }
 
 double NloptProblem::objective(unsigned n, const double* x, double* grad, void* self) {
@@ -55,23 +57,12 @@ double NloptProblem::objective(unsigned n, const double* x, double* grad, void* 
   }
 }
 
-void NloptProblem::inequalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self) {
+template <auto sides>
+void NloptProblem::constraints(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self) {
   auto& run = *static_cast<NloptProblem*>(self);
   const WatchedCall::Callback callback(run.call_);
   try {
-    run.evaluate_rows(run.inequalities_, result, x, grad);
-  } catch (const StopRun&) {
-    nlopt_force_stop(run.opt_);
-    std::fill_n(result, m, 0.0);
-    if (grad != nullptr) std::fill_n(grad, static_cast<std::size_t>(m) * n, 0.0);
-  }
-}
-
-void NloptProblem::equalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self) {
-  auto& run = *static_cast<NloptProblem*>(self);
-  const WatchedCall::Callback callback(run.call_);
-  try {
-    run.evaluate_rows(run.equalities_, result, x, grad);
+    run.evaluate_rows(run.*sides, result, x, grad);
   } catch (const StopRun&) {
     nlopt_force_stop(run.opt_);
     std::fill_n(result, m, 0.0);

@@ -43,8 +43,8 @@ class NloptProblem {
     double sign, bound;  // sign * (c - bound) <= 0 or = 0
   };
   static double objective(unsigned n, const double* x, double* grad, void* self);
-  static void inequalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self);
-  static void equalities(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self);
+  template <auto sides>  // which member
+  static void constraints(unsigned m, double* result, unsigned n, const double* x, double* grad, void* self);
 
   double evaluate(const double* x, double* grad);
   void evaluate_rows(const std::vector<Side>& sides, double* result, const double* x, double* grad);

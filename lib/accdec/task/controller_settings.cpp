@@ -1,34 +1,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/files/words.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {
 
 std::string_view to_string(SettingFamily family) {
-  const auto* found = std::find_if(setting_families.begin(), setting_families.end(),
-                                   [=](const SettingFamilyName& f) { return f.family == family; });
-  return found->name;
+  return word_of(setting_families, family);
 }
 
 std::optional<SettingFamily> setting_family_from_string(std::string_view name) {
-  for (const SettingFamilyName& f : setting_families) {
-    if (f.name == name) return f.family;
-  }
-  return std::nullopt;
+  return value_of<SettingFamily>(setting_families, name);
 }
 
 std::string_view to_string(DelayKind kind) {
-  const auto* found =
-      std::find_if(delay_kinds.begin(), delay_kinds.end(), [=](const DelayKindName& k) { return k.kind == kind; });
-  return found->name;
+  return word_of(delay_kinds, kind);
 }
 
 std::optional<DelayKind> delay_kind_from_string(std::string_view name) {
-  for (const DelayKindName& k : delay_kinds) {
-    if (k.name == name) return k.kind;
-  }
-  return std::nullopt;
+  return value_of<DelayKind>(delay_kinds, name);
 }
 
 bool ControllerSettings::names_family() const {

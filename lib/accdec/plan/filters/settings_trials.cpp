@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <accdec/machine/response.hpp>
@@ -85,10 +86,13 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
   moving_ = std::floor(time * (1.0 - snapped) / task.sample_period);
 }
 
-bool SettingsTrials::rings(const Filter& filter) const {
+std::optional<Filter> SettingsTrials::command(const Filter& set) const {
+  Filter filter = Response(task_.machine, task_.sample_period).command(set);
   const std::vector<LimitUse> uses = vibration_utilisation(filter, task_.sample_period, machine_);
-  return std::any_of(uses.begin(), uses.end(),
-                     [](const LimitUse& use) { return use.utilisation > 1.0 + verification_tolerance; });
+  const bool rings = std::any_of(uses.begin(), uses.end(),
+                                 [](const LimitUse& use) { return use.utilisation > 1.0 + verification_tolerance; });
+  if (rings) return std::nullopt;
+  return filter;
 }
 
 double SettingsTrials::width_of(const Filter& filter, int delay) const {
@@ -110,9 +114,10 @@ void SettingsTrials::search_width(const Filter& filter, int from, int step, cons
 }
 
 SettingsTrials::Guess SettingsTrials::guess(const Filter& set) const {
-  const Filter filter = Response(task_.machine, task_.sample_period).command(set);
   Guess guess;
-  if (rings(filter)) return guess;
+  const std::optional<Filter> behind = command(set);
+  if (!behind) return guess;
+  const Filter& filter = *behind;
   const PairwiseTimes pairwise(path_, filter, task_.sample_period, machine_, deadline_);
   const bool kept = keep_ || path_.blocks() <= small_program;
   const auto time = [&](const ControlDelays& control) {
@@ -135,8 +140,9 @@ SettingsTrials::Guess SettingsTrials::guess(const Filter& set) const {
 }
 
 TimedSetting SettingsTrials::plan(const Filter& set, const Guess& guess, bool thorough) const {
-  const Filter filter = Response(task_.machine, task_.sample_period).command(set);
-  if (rings(filter)) return {};
+  const std::optional<Filter> behind = command(set);
+  if (!behind) return {};
+  const Filter& filter = *behind;
   const ControlDelays control = control_of(*task_.settings, guess.best.width);
   TimedSetting best{planned(filter, control), guess.best.width};
   if (control.any() || !control.names(DelayKind::in_position) || !(step_ > 0.0)) return best;

@@ -43,7 +43,8 @@ class SettingsTrials {
  private:
   double planned(const Filter& filter, const ControlDelays& control) const;
   double scheduled(const Filter& filter, const ControlDelays& control) const;
-  bool rings(const Filter& filter) const;
+  /// The filter of the command, behind the control's own smoothing; none if it excites a mode too much.
+  std::optional<Filter> command(const Filter& set) const;
   /// In the middle of the widths that give this delay at the fastest corner.
   double width_of(const Filter& filter, int delay) const;
   template <class Time>

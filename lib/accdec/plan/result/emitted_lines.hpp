@@ -1,28 +1,18 @@
 #pragma once
 
-#include <iterator>
-#include <ostream>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include <accdec/gcode/line_writer.hpp>
+
 namespace accdec {
 
-/// The lines of a program that is written. They are passed on in portions. Line numbers and comments stand with the
-/// first command of their block.
-class EmittedLines {
+/// The lines of a program that is written. Line numbers and comments stand with the first command of their block.
+class EmittedLines : public LineWriter {
  public:
-  explicit EmittedLines(std::ostream& out) : out_(out) {}
-
-  template <class... Arguments>
-  void line(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
-    text_.push_back('\n');
-  }
-  /// Whole lines.
-  void append(std::string_view lines) { text_.append(lines); }
+  using LineWriter::LineWriter;
 
   /// Keeps a line number ("N10") or a comment for the next command.
   void note(const std::string& words) {
@@ -43,18 +33,7 @@ class EmittedLines {
     number_.clear(), comments_.clear();
   }
 
-  /// Passes on what has gathered, if that is much.
-  void pass_on() {
-    if (text_.size() > 60'000) flush();
-  }
-  void flush() {
-    out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
-    text_.clear();
-  }
-
  private:
-  std::ostream& out_;
-  fmt::memory_buffer text_;
   std::string number_, comments_;  // of the block to come: "N10 ", " (one) (two)"
 };
 
