@@ -30,10 +30,10 @@ using test::Output;
 using test::ProgramCommand;
 using testing::HasSubstr;
 
-constexpr const char* corners =
+constexpr const char* feed_corners =
     "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX50 Y50\nX20\nX0 Y0\nX40 Y10\nX0 Y20\nX30 Y22\nM2\n";
 
-constexpr const char* machine_text =
+constexpr const char* feeds_machine =
     "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
     "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
 
@@ -167,7 +167,7 @@ TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
 TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
   const Task task = task_of_corner_feeds();
   const TemporaryFolder folder;
-  const std::string program = folder.write("part.ngc", corners);
+  const std::string program = folder.write("part.ngc", feed_corners);
   ProgramFileOptions options;
   ProgramFile file = read_program_file(program, task, options, {});
   const ProgramResult result = run_program_file(program, file, task, options, {});
@@ -192,8 +192,8 @@ TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
 
 TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
   write("control.toml",
-        std::string(machine_text) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = \"corner-feed\"\n");
-  write("part.ngc", corners);
+        std::string(feeds_machine) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = \"corner-feed\"\n");
+  write("part.ngc", feed_corners);
   ASSERT_EQ(run("program part.ngc --task control.toml --time-limit 4 --json r.json --emit e.ngc").code, 0)
       << read("err");
   EXPECT_THAT(read("out"), ::testing::ContainsRegex("Set these: .*; corner-feed at [0-9]+ joints"));
@@ -212,10 +212,10 @@ TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
 
 /// The feeds written and recorded are those of the task's step: with another one the record is rejected.
 TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
-  write("control.toml", std::string(machine_text) +
+  write("control.toml", std::string(feeds_machine) +
                             "[design]\nfamily = \"averages\"\nstages = 1\norder_max = 30\n"
                             "[controller]\ndelays = \"corner-feed\"\ncorner_feed_step = 0.125\n");
-  write("part.ngc", corners);
+  write("part.ngc", feed_corners);
   ASSERT_EQ(run("program part.ngc --task control.toml --time-limit 4 --json r.json --emit e.ngc").code, 0)
       << read("err");
   EXPECT_EQ(run("verify r.json").code, 0) << read("out");
@@ -245,8 +245,8 @@ TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
 
 /// A control that only lowers feeds has nothing that --feeds keep could use.
 TEST_F(ProgramCommand, CornerFeedsAloneAreRefusedWhereFeedsAreKept) {
-  const std::string head = std::string(machine_text) + "[design]\nfamily = \"averages\"\n[controller]\n";
-  write("part.ngc", corners);
+  const std::string head = std::string(feeds_machine) + "[design]\nfamily = \"averages\"\n[controller]\n";
+  write("part.ngc", feed_corners);
   write("control.toml", head + "corner_feed_step = 0.1\ndelays = [\"corner-feed\"]\n");
   const Output refused = run("program part.ngc --feeds keep --task control.toml --json k.json --emit k.ngc");
   EXPECT_EQ(refused.code, 2);
@@ -255,7 +255,7 @@ TEST_F(ProgramCommand, CornerFeedsAloneAreRefusedWhereFeedsAreKept) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path("k.json")));
   EXPECT_FALSE(std::filesystem::exists(folder_.path("k.ngc")));
   // With a kind that runs on it depends on the program.
-  write("control.toml", std::string(machine_text) +
+  write("control.toml", std::string(feeds_machine) +
                             "[design]\nfamily = \"averages\"\nstages = 1\norder_max = 20\n[controller]\n"
                             "delays = [\"corner-feed\", \"continuous\"]\n");
   const Output none = run("program part.ngc --feeds keep --task control.toml --time-limit 4 --json k.json");
@@ -271,7 +271,7 @@ TEST_F(ProgramCommand, CornersUnderG61AreRefusedAtOnceForAControlThatRunsOn) {
   write("g61.ngc", "G21 G90 G61 F2000\nG1 X5\nG1 Y5\nM2\n");
   for (const char* delays : {"\"continuous\"", "\"corner-feed\""}) {
     write("control.toml",
-          std::string(machine_text) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = " + delays);
+          std::string(feeds_machine) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = " + delays);
     const Output refused = run("program g61.ngc --task control.toml --json k.json");
     EXPECT_EQ(refused.code, 1);
     EXPECT_THAT(refused.err, HasSubstr("control.toml:11:10: line 2 ends in a corner under G61"));

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <exception>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -36,6 +39,24 @@ std::string dumped(const Json& json) {
 
 Answer problem(int status, std::string_view what) {
   return {status, "application/json", dumped({{"error", what}})};
+}
+
+/// Whoever may ask for designs must not have the program open files: a page sends the controller itself.
+void refuse_files(std::string_view body) {
+  std::vector<std::string> within;  // the keys of the objects around a value
+  std::string key;
+  bool found = false;
+  const auto look = [&](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) within.push_back(key);
+    if (event == Json::parse_event_t::object_end && !within.empty()) within.pop_back();
+    if (event == Json::parse_event_t::key) key = value.get<std::string>();
+    if (event == Json::parse_event_t::value && value.is_string() && !within.empty() && within.back() == "controller")
+      found = found || key == "file" || (key == "name" && value.get<std::string>().ends_with(".toml"));
+    return true;
+  };
+  [[maybe_unused]] const Json whole = Json::parse(body, look, false);  // what is no JSON is refused where it is read
+  if (found)
+    throw std::invalid_argument("[controller] of a page names no file: `name` is that of a built-in controller");
 }
 
 Task task_of(const Question& question) {
@@ -193,6 +214,7 @@ Json key_json(const Key& key) {
 }
 
 Answer answer_unguarded(const Question& question) {
+  refuse_files(question.body);
   if (question.name == "design") return design(question);
   if (question.name == "families") return compare_families(question);
   if (question.name == "explain") return explain(question);

@@ -70,15 +70,12 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   // Where checking its samples takes all the time there is, one filter may still be planned.
   const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
   ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
-  if (!several) require_plan(profiles);
-  if (!several) return profiles;
-  profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
-  if (options.deadline.over()) {
-    require_plan(profiles);
-    return profiles;
-  }
+  const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
+  if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
+  const bool late = !several || options.deadline.over();
+  if (late && holds) return profiles;
   std::optional<AlongPlan> along;
-  if (!profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
+  if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
   ProgramFile copy = file;
   ProgramResult other = run_program_file(name, copy, task, options, tell);
   ProgramResult& best = along ? along->result : profiles;
@@ -92,7 +89,8 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   if (faster || best.plan.empty()) {
     other.candidates = {mine};
     file.reading = copy.reading;
-    other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, name, file, task, options);
+    if (profiles.corner_bound)
+      other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, name, file, task, options);
     return other;
   }
   best.candidates.push_back(theirs);
