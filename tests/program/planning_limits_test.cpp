@@ -170,7 +170,7 @@ TEST_F(ProgramCommand, WideningArcsNeverTakesLonger) {
   write("arcs.toml",
         "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
         "jerk_max_mm_s3 = 50000\n");
-  for (const char* turns : {"G2 I10\nG2 I11\n"}) {
+  for (const char* turns : {"G2 I5\nG2 I6\n"}) {
     write("part.ngc", std::string("G21 G90 G17 G61 F6000\n") + turns + "M2\n");
     ASSERT_EQ(run("program part.ngc --task arcs.toml --json plain.json").code, 0) << read("err");
     const auto done = run("program part.ngc --task arcs.toml --compensate-arcs --json r.json");

@@ -34,6 +34,7 @@ class Task:
                  family: Union[str, Sequence[str], None] = ..., stages: Union[int, Sequence[int], None] = ...,
                  shaper: Optional[str] = ..., length_step: Optional[float] = ...,
                  length_max: Optional[float] = ..., length_set: Optional[Sequence[float]] = ...,
+                 length_set_2: Optional[Sequence[float]] = ..., length_set_3: Optional[Sequence[float]] = ...,
                  time_constant_step: Optional[float] = ..., alpha_step: Optional[float] = ...,
                  cutoff_step: Optional[float] = ..., shaper_frequency_step: Optional[float] = ...,
                  **tables: Any) -> None: ...

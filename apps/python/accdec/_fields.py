@@ -14,8 +14,8 @@ from ._arguments import array, wrong
 
 _LISTS = {"axes": "axis", "corners": "corner", "modes": "mode"}
 _DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs", "coefficient_bits", "family", "stages",
-           "shaper", "length_step", "length_max", "length_set", "time_constant_step", "alpha_step", "cutoff_step",
-           "shaper_frequency_step")
+           "shaper", "length_step", "length_max", "length_set", "length_set_2", "length_set_3",
+           "time_constant_step", "alpha_step", "cutoff_step", "shaper_frequency_step")
 # Arguments of the constructor.
 FIELDS = ("title", "sample_period", *_LISTS, "filter", "baseline", "controller", "machine", *_DESIGN)
 

@@ -133,9 +133,10 @@ coefficient_bits : int, optional
     Taps in whole numbers over 2^bits, 8 to 31; the result's `quantisation` has them.
 family : str or list of str, optional
     "averages", "one-pole", "exponential", "gaussian", "windowed-sinc", "shaper": settings of a controller instead of
-    free taps, with stages, shaper, and length_step, length_max, length_set (s). The real numbers of a family have
-    steps, too: time_constant_step (s), alpha_step, cutoff_step (Hz). shaper_frequency_step (Hz): of a control that
-    interpolates; without it impulses are at whole samples.
+    free taps, with stages, shaper, and length_step, length_max, length_set (s). length_set_2 and length_set_3 are
+    those of stages whose set differs. The real numbers of a family have steps, too: time_constant_step (s), alpha_step,
+    cutoff_step (Hz). shaper_frequency_step (Hz): of a control that interpolates; without it impulses are at whole
+    samples.
 controller : dict, optional
     name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has;
     in_position_of ("command" or "actual") and in_position_latency (s): how it sees that it is in-position;
