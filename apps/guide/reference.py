@@ -63,11 +63,32 @@ def said(*command):
     return subprocess.run([str(word) for word in command], check=True, text=True, stdout=subprocess.PIPE).stdout
 
 
+def parts_of(printed):
+    """The tables of a file one by one, below their names, instead of one table whose first column names them."""
+    head, *rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in printed.splitlines()]
+    parts = []
+    for table, *cells in rows[1:]:
+        if table:
+            parts.append(f"### {'Top' if table == 'top' else table}\n")
+            if table != "top":
+                meaning = cells[4]
+                parts.append(f"{meaning[0].upper()}{meaning[1:]}.\n")
+        if cells[0].startswith("as "):
+            parts.append(f"Its keys are those of {cells[0].removeprefix('as ').removeprefix('of ')}.\n")
+        elif not table or table == "top":
+            if not parts[-1].startswith("|"):
+                parts += [f"| {' | '.join(head[1:])} |", f"|{'---|' * len(cells)}"]
+            parts.append(f"| {' | '.join(cells)} |")
+    text = "\n".join(parts)
+    return re.sub(r"(?:^\|.*\n?)+", lambda found: f"```{{table}}\n:class: keys\n\n{found[0].rstrip()}\n```\n\n", text,
+                  flags=re.MULTILINE)
+
+
 def keys(program):
-    parts = ["# Keys of files\n", "`accdec schema KIND --markdown` prints these tables, and without `--markdown` a "
+    parts = ["# Keys of files\n", "`accdec schema KIND --markdown` prints these keys, and without `--markdown` a "
              "JSON Schema for editors. Every command that reads a file refuses keys that are not here.\n"]
     for kind, what in kinds.items():
-        parts.append(f"## {kind.capitalize()}\n\n{what}\n\n{said(program, 'schema', kind, '--markdown')}")
+        parts.append(f"## {kind.capitalize()}\n\n{what}\n\n{parts_of(said(program, 'schema', kind, '--markdown'))}")
     return "\n".join(parts)
 
 

@@ -152,7 +152,7 @@ void directly(benchmark::State& state) {
     app->Options()->SetNumericValue("nlp_scaling_max_gradient", 1e8);
     app->Options()->SetStringValue("mu_strategy", "adaptive");
     app->Options()->SetStringValue("expect_infeasible_problem", "yes");
-    app->Options()->SetIntegerValue("mumps_pivot_order", 0);
+    app->Options()->SetIntegerValue("mumps_pivot_order", 6);
     app->Initialize("");
     const auto status = app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(Ipopt::GetRawPtr(direct)));
     if (status != Ipopt::Solve_Succeeded) state.SkipWithError("not solved");

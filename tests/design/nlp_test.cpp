@@ -1,8 +1,15 @@
+#include <string>
+
+#include <sys/resource.h>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <accdec/corner.hpp>
 #include <accdec/design.hpp>
+#include <accdec/design/fixed_order.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/task.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/verify.hpp>
 
@@ -180,6 +187,53 @@ TEST(DesignTask, UnknownSolverListsTheKnown) {
   } catch (const std::invalid_argument& e) {
     EXPECT_THAT(e.what(), ::testing::HasSubstr("ipopt"));
   }
+}
+
+/// User time of this thread, s.
+double user_time() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
+}
+
+Task corners_of_all_angles(int count) {
+  std::string text =
+      "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 5000\n"
+      "jerk_max_mm_s3 = 400000\n";
+  for (int j = 0; j < count; ++j) {
+    text +=
+        fmt::format("[[corner]]\nangle_deg = {}\nfeed_in_mm_min = 6000\nerror_max_um = 20\n", 30.0 + 140.0 * j / count);
+  }
+  return parse_task(text, "task.toml");
+}
+
+// With 600 corners a step took 2 s: too long for a share of 0.7 s, not for one of some minutes.
+TEST(DesignNlp, StepsOnManyCornersAreBegunIfTheyEndInTime) {
+  const Task task = corners_of_all_angles(600);
+  EXPECT_THAT(step_too_long(task, 19, 0.7), ::testing::HasSubstr("a step of a local solver on 600 corners"));
+  EXPECT_EQ(step_too_long(task, 19, 200.0), "");
+  EXPECT_EQ(step_too_long(corners_of_all_angles(200), 19, 0.7), "");
+  DesignOptions options;
+  options.time_limit = 0.7;
+  const DesignResult result = design_nlp(task, options);
+  EXPECT_EQ(result.stop, StopReason::time_limit);
+  EXPECT_EQ(result.solver.evaluations, 0);
+}
+
+// A factorisation cannot be stopped. With plain minimum degree one of 200 corners took seconds, whatever the time
+// limit, because every exchanged pivot fills the factors in.
+TEST(DesignNlp, StepsOnManyCornersAreShortBesideThoseOfPlainMinimumDegree) {
+  const Task task = corners_of_all_angles(200);
+  DesignOptions options;
+  options.nlp.options.evaluation_limit = 8;
+  const auto spent = [&] {
+    const double before = user_time();
+    FixedOrderDesigner(task, options).relaxed(19);
+    return user_time() - before;
+  };
+  const double ours = spent();
+  options.nlp.options.native["mumps_pivot_order"] = "0";
+  EXPECT_LT(ours, 0.5 * spent());
 }
 
 }  // namespace

@@ -50,6 +50,21 @@ TEST(TaskJson, SaysWhatIsWrong) {
               HasSubstr("nested too deeply"));
 }
 
+// Whoever writes names in SI is told the name in SI; whoever writes a unit, the key with its unit.
+TEST(TaskJson, SuggestsNamesAsTheyWereGiven) {
+  const auto after = [](const std::string& axis, const std::string& corner) {
+    return complaint(R"({"sample_period": 0.001, "axis": [{)" + axis + R"(}], "corner": [{"angle": 1, "feed_in": 0.1)" +
+                     corner + "}]}");
+  };
+  EXPECT_THAT(after(R"("jerk": 1)", ""), HasSubstr("unknown key `jerk` in [[axis]] 1; did you mean `jerk_max`?"));
+  EXPECT_THAT(after(R"("jerk_max_mm_s2": 1)", ""), HasSubstr("did you mean `jerk_max_mm_s3`?"));
+  EXPECT_THAT(after("", R"(, "error": 1)"), HasSubstr("in [[corner]] 1; did you mean `error_max`?"));
+  EXPECT_THAT(after("", R"(, "error_max_mm": 1)"), HasSubstr("did you mean `error_max_um`?"));
+  EXPECT_THAT(after(R"("travel": 1)", ""), HasSubstr("known here: name, velocity_max, acceleration_max, jerk_max"));
+  EXPECT_THAT(complaint(R"({"sample_perod": 0.001})"), HasSubstr("did you mean `sample_period`?"));
+  EXPECT_THAT(complaint(R"({"machine": {"power": 1}})"), HasSubstr("in [machine]; did you mean `power_total_max`?"));
+}
+
 TEST(TaskJson, OneNumberIsChanged) {
   const Task task = parse_task_json(
       R"({"sample_period": 0.001, "corner": [{"angle_deg": 80, "feed_in": 0.1}, {"angle_deg": 90, "feed_in": 0.1}]})",

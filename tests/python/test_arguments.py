@@ -97,6 +97,19 @@ def test_names_what_is_wrong(call, right, name, value):
     assert not [words for words in FOREIGN if words in said], said
 
 
+@pytest.mark.parametrize("wrong, meant", [
+    ({"axes": {"jerk": 1}}, "jerk_max"), ({"axes": {"force": 1}}, "force_max"), ({"axes": {"mas": 1}}, "mass"),
+    ({"corners": {"angle_deg": 90, "feed_in": 0.1, "error": 1e-5}}, "error_max"), ({"machine": {"power": 1}},
+                                                                                   "power_total_max"),
+    ({"sample_perod": 1e-3}, "sample_period"), ({"corner_": {}}, "corners"), ({"ordermax": 9}, "order_max"),
+    ({"length_stp": 2}, "length_step"), ({"modes": {"frequenc": 40}}, "frequency")])
+def test_unknown_arguments_of_a_task_get_a_name_that_it_takes(wrong, meant):
+    with pytest.raises(accdec.InputError, match=f"; did you mean `{meant}`\\?"):
+        accdec.Task(**{"sample_period": 1e-3, "corners": {"angle_deg": 90, "feed_in": 0.1}, **wrong})
+    with pytest.raises(accdec.InputError, match="`travel`; known are title, sample_period, axes, corners, modes"):
+        TASK.replace(travel=1)
+
+
 def test_program_names_what_is_wrong(tmp_path):
     file = tmp_path / "square.ngc"
     file.write_text(SQUARE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import math
 import os
@@ -18,6 +19,16 @@ _DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs", "coeffici
            "time_constant_step", "alpha_step", "cutoff_step", "shaper_frequency_step")
 # Arguments of the constructor.
 FIELDS = ("title", "sample_period", *_LISTS, "filter", "baseline", "controller", "machine", *_DESIGN)
+# The same as a task file has them.
+_FILE = ("sample_period_ms", *_LISTS.values(), "design", "program")
+
+
+def _require_known(name: str) -> None:
+    if name in FIELDS or name in _FILE:
+        return
+    near = difflib.get_close_matches(name, FIELDS, 1)
+    hint = f"did you mean `{near[0]}`?" if near else f"known are {', '.join(FIELDS)}"
+    raise _core.InputError(f"task: unknown argument `{name}`; {hint}")
 
 
 def _plain(value: Any, name: str) -> Any:
@@ -49,6 +60,7 @@ def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
     """The tables of a task file, still with SI names where they were given so."""
     task: dict[str, Any] = {}
     for name, value in fields.items():
+        _require_known(name)
         if value is None:
             continue
         key = _LISTS.get(name, name)

@@ -21,7 +21,8 @@ class SolverRefuses : public std::invalid_argument {
 };
 
 /// A message if a step of a local solver on the problems of this order may take longer than the time limit allows; else
-/// empty. It is estimated as about a microsecond for each number in the rows, as measured with ipopt.
+/// empty. It is estimated as about a microsecond for each number in the rows, and more with many corners, as measured
+/// with ipopt.
 std::string step_too_long(const Task& task, int order, double time_limit);
 
 /// The two smooth problems, solved by one solver at one order after another. Rows on vibration bands and on the blend's

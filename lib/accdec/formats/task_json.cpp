@@ -2,12 +2,15 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <accdec/files/json_position.hpp>
+#include <accdec/files/suggestion.hpp>
 #include <accdec/files/units.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_json.hpp>
@@ -65,12 +68,24 @@ void require_allowed(const Key& key, const std::string& name, const PlainJson& v
   throw InputError(file, 0, 0, fmt::format("`{}` = {} is out of range; {}", name, given, allowed.text(name)));
 }
 
+/// A misspelt name without a unit is meant as a name in SI, so the suggestion is one, too.
+/// @param label  how messages call the table
+void require_known(std::string_view name, std::string_view which, const std::string& label, const std::string& file) {
+  const std::vector<Key>& keys = which.empty() ? task_file().keys : find_key(task_file().keys, which)->keys;
+  if (find_key(keys, name) != nullptr || unit_in_name(name) != nullptr) return;
+  std::vector<std::string> names;
+  for (const Key& key : keys) names.push_back(si_name(key));
+  const std::string hint = suggest(name, std::vector<std::string_view>(names.begin(), names.end()));
+  throw InputError(file, 0, 0, fmt::format("unknown key `{}` in {}; {}", name, label, hint));
+}
+
 /// Renames and converts the SI keys of a table.
-void to_file_keys(PlainJson& table, std::string_view which, const std::string& file) {
+void to_file_keys(PlainJson& table, std::string_view which, const std::string& label, const std::string& file) {
   if (!table.is_object()) return;
   PlainJson renamed = PlainJson::object();
   for (const auto& [name, value] : table.items()) {
     const Key* key = key_in_si(which, name);
+    if (!key) require_known(name, which, label, file);
     if (key && table.contains(key->name))
       throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name, key->name));
     if (key) require_allowed(*key, name, value, file);
@@ -80,14 +95,15 @@ void to_file_keys(PlainJson& table, std::string_view which, const std::string& f
 }
 
 void to_file_keys(PlainJson& task, const std::string& file) {
-  to_file_keys(task, "", file);
+  to_file_keys(task, "", "the task (top level)", file);
   for (const char* const table : {"design", "machine", "axis", "corner", "mode", "program", "controller"}) {
     const auto found = task.find(table);
     if (found == task.end()) continue;
     if (found->is_array()) {
-      for (PlainJson& element : *found) to_file_keys(element, table, file);
+      std::size_t number = 0;
+      for (PlainJson& element : *found) to_file_keys(element, table, fmt::format("[[{}]] {}", table, ++number), file);
     } else {
-      to_file_keys(*found, table, file);
+      to_file_keys(*found, table, fmt::format("[{}]", table), file);
     }
   }
 }
