@@ -54,12 +54,12 @@ std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadlin
   return "";
 }
 
-/// One filter for the program, in a part of the time; if there is no other plan, even when the time is over.
+/// One filter for the program; if there is no other plan, even when the time is over.
 std::optional<ProgramResult> fixed_beside(const std::string& name, ProgramFile& file, const Task& task,
-                                          ProgramFileOptions options, double part, bool only) {
+                                          ProgramFileOptions options, bool only) {
   if (!only && (file.path.blocks() > several_plans_max || options.deadline.over())) return {};
   if (options.time_limit) {
-    *options.time_limit *= part;
+    *options.time_limit *= 0.3;
     options.deadline = options.deadline.within(*options.time_limit);
   }
   ProgramResult fixed = run_program_file(name, file, task, options, {});
@@ -83,10 +83,10 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline, true);
   const std::string no_motion = why_no_motion(profiles, options.deadline);
   ProgramFile copy = file;
-  // One filter is often faster on arcs, or than the plan that stays what it is; elsewhere it seldom is.
-  const double part = !file.path.arcs.empty() || !no_motion.empty() ? 0.3 : 0.1;
+  // One filter may be faster than any motion that was found on arcs, or than the plan that stays what it is.
   const bool only = profiles.plan.empty() || !profiles.verification.feasible;
-  std::optional<ProgramResult> fixed = fixed_beside(name, copy, task, options, part, only);
+  std::optional<ProgramResult> fixed;
+  if (!file.path.arcs.empty() || !no_motion.empty()) fixed = fixed_beside(name, copy, task, options, only);
   const auto answer = [&](ProgramResult result) {
     if (fixed && (!result.verification.feasible || fixed->cycle_time < result.cycle_time)) {
       std::swap(*fixed, result);
