@@ -26,14 +26,14 @@ def fair(program, folder):
 
 def without_tools(program, folder, tolerance):
     """A copy of a program of LinuxCNC's package with a tolerance from its first line on, and without tool changes,
-    spindle and coolant, which move nothing. Its own G64 without P would ask for no tolerance at all."""
+    spindle, coolant and program stops, which move nothing. Its own G64 without P would ask for no tolerance at all."""
     lines = ["G21 G64 P%g" % tolerance]
     text = pathlib.Path(program).read_text(errors="replace")
     if not re.search(r"(?i)G0*2[01](?![\d.])", text):
         lines.append("G20")  # as a machine in inches reads it
     for line in text.splitlines():
         code = re.sub(r"\(.*?\)|;.*|^%.*", "", line)
-        for words in (r"G0*64(?![\d.])(\s*P\s*[\d.]+)?", r"(T\s*(\d+|#<\w+>)|M\s*0*[3-9](?!\d))", r"S\s*(\d+|#<\w+>)(?=\s*$)"):
+        for words in (r"G0*64(?![\d.])(\s*P\s*[\d.]+)?", r"(T\s*(\d+|#<\w+>)|M\s*0*[013-9](?!\d))", r"S\s*(\d+|#<\w+>)(?=\s*$)"):
             code = re.sub(r"(?i)(?<![#<a-z_])" + words, "", code)
         lines.append(code)
     lines.append("M2")  # the percent sign that ended it is gone
