@@ -235,7 +235,9 @@ def main():
                 found = estimates(options.accdec, program, task, settings)
                 for control, own in settings.items():
                     if control == "linuxcnc-2.9":
-                        reference = linuxcnc[name, acceleration]
+                        reference = linuxcnc.get((name, acceleration))
+                        if reference is None:  # no motion in the league
+                            continue
                     else:
                         reference = planners[control].time(moves, acceleration, own, peers.VELOCITY)
                     rows.append([name, acceleration, control, " ".join("%s=%g" % item for item in own.items()),
