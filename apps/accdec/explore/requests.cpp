@@ -60,6 +60,7 @@ void refuse_files(std::string_view body) {
 }
 
 Task task_of(const Question& question) {
+  refuse_files(question.body);
   Task task = parse_task_json(question.body, "task", {.response = Considered::common});
   require_small(task.corners.size());
   return task;
@@ -160,6 +161,7 @@ Answer export_file(const Question& question) {
   const char* const type = binary ? "application/octet-stream" : "text/plain; charset=utf-8";
   if (question.format == "result")
     return {200, type, result_to_json(design_task(task_of(question), options_of(question)))};
+  refuse_files(question.body);
   return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
 }
 
@@ -214,7 +216,6 @@ Json key_json(const Key& key) {
 }
 
 Answer answer_unguarded(const Question& question) {
-  refuse_files(question.body);
   if (question.name == "design") return design(question);
   if (question.name == "families") return compare_families(question);
   if (question.name == "explain") return explain(question);
