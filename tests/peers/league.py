@@ -34,6 +34,8 @@ def arguments():
                         help="folder for league.csv and league.md")
     parser.add_argument("--programs", nargs="*", default=[""], help="only programs whose name has one of these words")
     parser.add_argument("--planners", nargs="*", default=[""], help="only planners whose name has one of these words")
+    parser.add_argument("--jerks", nargs="*", type=int, help="only these, mm/s^3; 0: none")
+    parser.add_argument("--accelerations", nargs="*", type=int, help="only these, mm/s^2")
     parser.add_argument("--again", action="store_true", help="run again what has rows")
     parser.add_argument("--jobs", type=int, default=2, help="commands at a time, of planners that may")
     return parser.parse_args()
@@ -104,10 +106,13 @@ def bounds_of(report):
     return found
 
 
-def runs(cases, planner, known, again):
+def runs(cases, planner, known, options):
     """(case, jerks that one run is judged by), those that have no row yet."""
     for case in cases:
-        jerks = [jerk for jerk in case[3] if again or (case[0], case[2], jerk, planner["name"]) not in known]
+        if options.accelerations is not None and case[2] not in options.accelerations:
+            continue
+        jerks = [jerk for jerk in case[3] if (options.jerks is None or jerk in options.jerks) and
+                 (options.again or (case[0], case[2], jerk, planner["name"]) not in known)]
         if planner["jerk"] == "ignored":
             yield from [(case, jerks)] if jerks else []
         else:
@@ -156,7 +161,7 @@ def main():
                     order.index(r["program"]) if r["program"] in order else len(order), r["acceleration"], r["jerk"])))
 
         for planner in planners(options):
-            work = list(runs(cases, planner, rows, options.again))
+            work = list(runs(cases, planner, rows, options))
             with concurrent.futures.ThreadPoolExecutor(planner.get("jobs", options.jobs)) as pool:
                 for done in [pool.submit(run, planner, *one) for one in work]:
                     done.result()
