@@ -94,7 +94,7 @@ TEST(CycleTime, IsThatOfAProgramThatPassesTheCorners) {
     const Task task = read_task(path, {.response = Considered::common});
     if (!Response(task.machine, task.sample_period).ideal()) continue;  // programs know no servo
     DesignOptions options;
-    options.time_limit = 5.0;  // what is proved by then does not matter here
+    options.time_limit = 10.0;  // what is proved by then does not matter here
     options.exact.certificate = false;
     const DesignResult design = design_task(task, options);
     ASSERT_TRUE(design.filter.has_value()) << design.message;
