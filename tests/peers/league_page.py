@@ -21,12 +21,16 @@ LinuxCNC 2.9 (Debian's package) and Klipper have no jerk limit, so their motions
 never told. Klipper has no tolerance either: it passes corners exactly, at a speed that steps the velocity of the axes
 (square_corner_velocity = 5 mm/s), and draws arcs as chords of 1 mm. Klipper's planner ran as Python code without a
 printer. LinuxCNC 2.10 is its source of August 2026 with its jerk-limited planner, which is the trapezoidal one where
-there is no jerk limit. `accdec free` had %d s a program, the other plans %d s. The computer had other work during the
-run, which makes `free` a little slower than it could be and leaves the others as they are.
+there is no jerk limit. `accdec free` had %d s a program and one thread, the other plans %d s. The computer had other
+work during the run, so plans that ended at their time limit may be slower than they could be.
 
 Programs: those shipped (`problems/program`), generated ones (`accdec generate`, F6000, P0.05), two turns of R10 on the
 exact path, corners between lines and arcs, and *package*: programs of LinuxCNC's package, which nobody here wrote, read
-whole, at P0.05. Their tool changes are left out.
+whole, at P0.05. Their tool changes are left out. accdec reads programs with canned cycles, loops or calls by rs274,
+which prints inches with four decimals: such motions break exact stops by up to 1.8 um.
+
+Not every planner has run at every limit: `motions` says how many, and empty cells in the tables are runs not made yet.
+`league.py` makes them.
 """
 
 
