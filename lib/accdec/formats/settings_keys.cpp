@@ -108,19 +108,21 @@ std::vector<Key> about_parameters() {
            .example = "[0.25, 0.5, 0.25]"}};
 }
 
+/// The times of one stage, where stages have sets of their own.
+Key set_of_stage(int stage) {
+  return {.name = fmt::format("length_set_{}_ms", stage),
+          .type = KeyType::numbers,
+          .meaning = fmt::format("with `length_set_ms`: the times of stage {}, where they differ", stage),
+          .unit = "ms",
+          .range = {0.0, longest_ms, true},
+          .most = longest_set,
+          .example = "[1, 2, 3]",
+          .of_period = true};
+}
+
 }  // namespace
 
 std::vector<Key> setting_keys() {
-  const auto set_of_stage = [](int stage) {
-    return Key{.name = fmt::format("length_set_{}_ms", stage),
-               .type = KeyType::numbers,
-               .meaning = fmt::format("with `length_set_ms`: the times of stage {}, where they differ", stage),
-               .unit = "ms",
-               .range = {0.0, longest_ms, true},
-               .most = longest_set,
-               .example = "[1, 2, 3]",
-               .of_period = true};
-  };
   return {
       {.name = "family",
        .type = KeyType::words,
