@@ -7,27 +7,27 @@ import programs
 HEAD = """# A league of planners
 
 %s
-Written by `tests/peers/league.py`, which runs all planners on the same programs at the same limits: %d mm/s per axis,
-accelerations and jerks as in the tables, one position a millisecond. `tests/peers/check.py` judges every motion from
-its positions only. It knows nothing of who planned it.
+Written by `tests/peers/league.py`. All planners had the same programs and the same limits: %d mm/s per axis, and the
+accelerations and jerks of the tables. `tests/peers/check.py` judges every motion from its positions, one a millisecond.
+It knows nothing of who planned it.
 
-* *holds* counts motions that keep velocity, acceleration and jerk of every axis within 2 %%, pass every programmed
-  point within its tolerance, and stay within the tolerance of the legs that they run along.
+* *holds* counts motions that exceed no limit of an axis by more than 2 %%. They also keep the tolerances of all
+  programmed points and of the legs between them.
 * *fastest* counts programs on which no planner that holds is faster by more than 0.1 %%.
 * *behind* is the median over its motions that hold of their time over that of the fastest planner that holds.
 * *breaks* says what its other motions break, how many of them, and by how much at most.
 
 LinuxCNC 2.9 (Debian's package) and Klipper have no jerk limit, so their motions are judged under limits that they were
-never told. Klipper has no tolerance either: it passes corners exactly, at a speed that steps the velocity of the axes
-(square_corner_velocity = 5 mm/s), and draws arcs as chords of 1 mm. Klipper's planner ran as Python code without a
+never told. Klipper has no tolerance either. It passes corners exactly, and the velocity of the axes steps there
+(square_corner_velocity = 5 mm/s). Its arcs are chords of 1 mm. Klipper's planner ran as Python code without a
 printer. LinuxCNC 2.10 is its source of August 2026 with its jerk-limited planner, which is the trapezoidal one where
 there is no jerk limit. `accdec free` had %d s a program and one thread, the other plans %d s. The computer had other
 work during the run, so plans that ended at their time limit may be slower than they could be.
 
-Programs: those shipped (`problems/program`), generated ones (`accdec generate`, F6000, P0.05), two turns of R10 on the
-exact path, corners between lines and arcs, and *package*: programs of LinuxCNC's package, which nobody here wrote, read
-whole, at P0.05. Their tool changes are left out. accdec reads programs with canned cycles, loops or calls by rs274,
-which prints inches with four decimals: such motions break exact stops by up to 1.8 um.
+The programs are those of `problems/program` and generated ones (`accdec generate`, F6000, P0.05). Two turns of R10 are
+on the exact path, and one program has corners between lines and arcs. *package* stands for programs of LinuxCNC's package, which nobody here
+wrote. They are read whole, at P0.05, without tool changes. accdec reads canned cycles, loops and calls by rs274, which
+prints inches with four decimals. Such motions break exact stops by up to 1.8 um.
 
 Not every planner has run at every limit: `motions` says how many, and empty cells in the tables are runs not made yet.
 `league.py` makes them.

@@ -18,6 +18,7 @@
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
+#include "corner_program.hpp"
 #include "program_command.hpp"
 #include "reference.hpp"
 
@@ -29,31 +30,6 @@ namespace {
 using test::Output;
 using test::ProgramCommand;
 using testing::HasSubstr;
-
-constexpr const char* feed_corners =
-    "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX50 Y50\nX20\nX0 Y0\nX40 Y10\nX0 Y20\nX30 Y22\nM2\n";
-
-constexpr const char* feeds_machine =
-    "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
-    "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
-
-Task task_of_corner_feeds() {
-  Task task;
-  task.sample_period = 1e-3;
-  task.design.order_max = 26;
-  for (const char* name : {"x", "y"}) {
-    Axis axis;
-    axis.name = name;
-    axis.velocity_max = 0.2;
-    axis.acceleration_max = 6.0;
-    task.machine.axes.push_back(axis);
-  }
-  task.settings = ControllerSettings{};
-  task.settings->families = {SettingFamily::averages};
-  task.settings->stages.assign(1, {});
-  task.settings->delays = {DelayKind::corner_feed};
-  return task;
-}
 
 /// mm/min, of a block of the plan.
 double feed_of(const Toolpath& path, std::size_t b) {
@@ -74,7 +50,7 @@ void expect_steps(const Toolpath& path, std::size_t b, double before, double beh
 /// One corner between long legs: the largest multiple whose error, by the definition of the model, is within the
 /// tolerance and whose step of velocity the acceleration allows. Both grow with the feed.
 TEST(ProgramCornerFeeds, ACornerBetweenLongLegsIsPassedAtTheLargestMultiple) {
-  const Task task = task_of_corner_feeds();
+  const Task task = test::averages_task(1, {DelayKind::corner_feed});
   struct Case {
     double before, behind, tolerance;  // mm/min, mm
     int taps;
@@ -119,7 +95,7 @@ TEST(ProgramCornerFeeds, ACornerBetweenLongLegsIsPassedAtTheLargestMultiple) {
 /// Where short blocks leave no room to reach a multiple, the corner has the one below it. Each corner that is passed
 /// without a delay is looked at.
 TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
-  const Task task = task_of_corner_feeds();
+  const Task task = test::averages_task(1, {DelayKind::corner_feed});
   int held = 0, seen = 0, short_blocks = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);
@@ -165,9 +141,9 @@ TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
 
 /// A control that only lowers feeds: no joint is delayed, and the motion, made directly, holds every tolerance.
 TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
-  const Task task = task_of_corner_feeds();
+  const Task task = test::averages_task(1, {DelayKind::corner_feed});
   const TemporaryFolder folder;
-  const std::string program = folder.write("part.ngc", feed_corners);
+  const std::string program = folder.write("part.ngc", test::corner_program);
   ProgramFileOptions options;
   ProgramFile file = read_program_file(program, task, options, {});
   const ProgramResult result = run_program_file(program, file, task, options, {});
@@ -191,9 +167,9 @@ TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
 }
 
 TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
-  write("control.toml",
-        std::string(feeds_machine) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = \"corner-feed\"\n");
-  write("part.ngc", feed_corners);
+  write("control.toml", std::string(test::corner_machine) +
+                            "[design]\nfamily = \"averages\"\n[controller]\ndelays = \"corner-feed\"\n");
+  write("part.ngc", test::corner_program);
   ASSERT_EQ(run("program part.ngc --task control.toml --time-limit 4 --json r.json --emit e.ngc").code, 0)
       << read("err");
   EXPECT_THAT(read("out"), ::testing::ContainsRegex("Set these: .*; corner-feed at [0-9]+ joints"));
@@ -212,10 +188,10 @@ TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
 
 /// The feeds written and recorded are those of the task's step: with another one the record is rejected.
 TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
-  write("control.toml", std::string(feeds_machine) +
+  write("control.toml", std::string(test::corner_machine) +
                             "[design]\nfamily = \"averages\"\nstages = 1\norder_max = 30\n"
                             "[controller]\ndelays = \"corner-feed\"\ncorner_feed_step = 0.125\n");
-  write("part.ngc", feed_corners);
+  write("part.ngc", test::corner_program);
   ASSERT_EQ(run("program part.ngc --task control.toml --time-limit 4 --json r.json --emit e.ngc").code, 0)
       << read("err");
   EXPECT_EQ(run("verify r.json").code, 0) << read("out");
@@ -245,8 +221,8 @@ TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
 
 /// A control that only lowers feeds has nothing that --feeds keep could use.
 TEST_F(ProgramCommand, CornerFeedsAloneAreRefusedWhereFeedsAreKept) {
-  const std::string head = std::string(feeds_machine) + "[design]\nfamily = \"averages\"\n[controller]\n";
-  write("part.ngc", feed_corners);
+  const std::string head = std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\n[controller]\n";
+  write("part.ngc", test::corner_program);
   write("control.toml", head + "corner_feed_step = 0.1\ndelays = [\"corner-feed\"]\n");
   const Output refused = run("program part.ngc --feeds keep --task control.toml --json k.json --emit k.ngc");
   EXPECT_EQ(refused.code, 2);
@@ -255,7 +231,7 @@ TEST_F(ProgramCommand, CornerFeedsAloneAreRefusedWhereFeedsAreKept) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path("k.json")));
   EXPECT_FALSE(std::filesystem::exists(folder_.path("k.ngc")));
   // With a kind that runs on it depends on the program.
-  write("control.toml", std::string(feeds_machine) +
+  write("control.toml", std::string(test::corner_machine) +
                             "[design]\nfamily = \"averages\"\nstages = 1\norder_max = 20\n[controller]\n"
                             "delays = [\"corner-feed\", \"continuous\"]\n");
   const Output none = run("program part.ngc --feeds keep --task control.toml --time-limit 4 --json k.json");
@@ -271,7 +247,7 @@ TEST_F(ProgramCommand, CornersUnderG61AreRefusedAtOnceForAControlThatRunsOn) {
   write("g61.ngc", "G21 G90 G61 F2000\nG1 X5\nG1 Y5\nM2\n");
   for (const char* delays : {"\"continuous\"", "\"corner-feed\""}) {
     write("control.toml",
-          std::string(feeds_machine) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = " + delays);
+          std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\n[controller]\ndelays = " + delays);
     const Output refused = run("program g61.ngc --task control.toml --json k.json");
     EXPECT_EQ(refused.code, 1);
     EXPECT_THAT(refused.err, HasSubstr("control.toml:11:10: line 2 ends in a corner under G61"));

@@ -17,6 +17,7 @@
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
+#include "corner_program.hpp"
 #include "program_command.hpp"
 #include "reference.hpp"
 
@@ -29,31 +30,6 @@ using test::Output;
 using test::ProgramCommand;
 using testing::HasSubstr;
 
-constexpr const char* corners =
-    "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX50 Y50\nX20\nX0 Y0\nX40 Y10\nX0 Y20\nX30 Y22\nM2\n";
-
-constexpr const char* machine_text =
-    "sample_period_ms = 1.0\n[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n"
-    "jerk_max_mm_s3 = 500000\n[program]\nerror_max_um = 20\n";
-
-Task task_of(std::vector<DelayKind> delays) {
-  Task task;
-  task.sample_period = 1e-3;
-  task.design.order_max = 26;
-  for (const char* name : {"x", "y"}) {
-    Axis axis;
-    axis.name = name;
-    axis.velocity_max = 0.2;
-    axis.acceleration_max = 6.0;
-    task.machine.axes.push_back(axis);
-  }
-  task.settings = ControllerSettings{};
-  task.settings->families = {SettingFamily::averages};
-  task.settings->stages.assign(2, {});
-  task.settings->delays = std::move(delays);
-  return task;
-}
-
 /// Samples of the plan at the programmed feeds; unlimited if it does not hold.
 double planned(Toolpath path, const Filter& filter, const Task& task) {
   const Machine machine = program_machine(task.machine, path);
@@ -64,8 +40,8 @@ double planned(Toolpath path, const Filter& filter, const Task& task) {
 }
 
 TEST(ProgramSettings, NoMemberOfTheFamilyIsPlannedFaster) {
-  const Task task = task_of({});
-  const Toolpath path = test::path_of(corners, task.machine);
+  const Task task = test::averages_task(2, {});
+  const Toolpath path = test::path_of(test::corner_program, task.machine);
   const SettingsForProgram found = settings_for_program(path, task, true, {}, {});
   ASSERT_TRUE(found.best && found.best->complete);
   // Guesses leave little to plan.
@@ -81,11 +57,11 @@ TEST(ProgramSettings, NoMemberOfTheFamilyIsPlannedFaster) {
 /// The delays of a plan follow from its width: the first sample of the rest in which the motion, made directly, is
 /// within the width of the corner.
 TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
-  Task task = task_of({DelayKind::in_position, DelayKind::exact_stop});
+  Task task = test::averages_task(2, {DelayKind::in_position, DelayKind::exact_stop});
   task.settings->stages.resize(1);
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
     const TemporaryFolder folder;
-    const std::string program = folder.write("part.ngc", corners);
+    const std::string program = folder.write("part.ngc", test::corner_program);
     ProgramFileOptions options;
     options.feeds = feeds;
     ProgramFile file = read_program_file(program, task, options, {});
@@ -114,7 +90,7 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
 /// The raster with one in-position width. Curves tuned for other delays broke limits with those that the width gives.
 /// Every block then ended in a stop: 45 s.
 TEST(ProgramSettings, TunedCurvesAreNoSlowerThanUntunedOnesWithTheDelaysOfAWidth) {
-  Task task = task_of({DelayKind::continuous, DelayKind::in_position, DelayKind::exact_stop});
+  Task task = test::averages_task(2, {DelayKind::continuous, DelayKind::in_position, DelayKind::exact_stop});
   task.machine.axes.resize(1);  // for X, Y and Z
   task.machine.axes[0].velocity_max = 0.5;
   LineSource source(test_support::source_folder() + "/problems/program/raster.ngc");
@@ -135,7 +111,7 @@ TEST(ProgramSettings, TunedCurvesAreNoSlowerThanUntunedOnesWithTheDelaysOfAWidth
 
 /// With no time at all there still is an answer, after a few plans.
 TEST(ProgramSettings, ASearchWithoutTimeAnswersWithAGuess) {
-  Task task = task_of({DelayKind::continuous, DelayKind::in_position, DelayKind::exact_stop});
+  Task task = test::averages_task(2, {DelayKind::continuous, DelayKind::in_position, DelayKind::exact_stop});
   task.machine.axes.resize(1);  // for X, Y and Z
   LineSource source(test_support::source_folder() + "/problems/program/raster.ngc");
   const Toolpath path = read_toolpath(source, task.machine, {});
@@ -167,10 +143,10 @@ TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
 }
 
 TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
-  write("control.toml", std::string(machine_text) +
+  write("control.toml", std::string(test::corner_machine) +
                             "[controller]\nname = \"sinumerik-840d\"\n[design]\nlength_max_ms = 40\n"
                             "[filter]\nkind = \"averages\"\nlengths = [32, 32]\n");
-  write("part.ngc", corners);
+  write("part.ngc", test::corner_program);
   ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json --emit e.ngc --figure r.html").code, 0)
       << read("err");
   const std::string out = read("out");
@@ -202,7 +178,7 @@ TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
 /// Way over feed bounds the time of any taps. The answer in words is forged with the number, so that only the bound
 /// can tell.
 TEST_F(ProgramCommand, FreeTapsFasterThanAnyFilterAreRejected) {
-  write("control.toml", std::string(machine_text) + "[design]\nfamily = \"averages\"\nstages = 1\n");
+  write("control.toml", std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\nstages = 1\n");
   write("part.ngc", "G21 G90 G64 P0.05\nG1 X30 F3000\nY30\nX10\nM2\n");
   ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json").code, 0) << read("err");
   nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
@@ -240,7 +216,7 @@ TEST_F(ProgramCommand, ResultsOfEveryFamilyAreVerified) {
         {"shaper", "shaper = \"ei\"\nstages = 1\n", mode},
         {"shaper", "shaper = \"mzv\"\nstages = 1\nshaper_frequency_step_Hz = 1.7\n", mode}}) {
     write("control.toml",
-          std::string(machine_text) + modes + "[design]\nfamily = \"" + family + "\"\norder_max = 60\n" + more);
+          std::string(test::corner_machine) + modes + "[design]\nfamily = \"" + family + "\"\norder_max = 60\n" + more);
     ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json").code, 0) << family << read("err");
     const Output verified = run("verify r.json");
     EXPECT_EQ(verified.code, 0) << family << verified.out << verified.err;
@@ -248,8 +224,8 @@ TEST_F(ProgramCommand, ResultsOfEveryFamilyAreVerified) {
 }
 
 TEST_F(ProgramCommand, PlansOfPositionsAreRefusedForAControlWithOneFilter) {
-  write("control.toml", std::string(machine_text) + "[design]\nfamily = \"averages\"\nstages = 2\n");
-  write("part.ngc", corners);
+  write("control.toml", std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\nstages = 2\n");
+  write("part.ngc", test::corner_program);
   for (const char* plan : {"profiles", "free"}) {
     const Output refused = run("program part.ngc --plan " + std::string(plan) + " --task control.toml --json r.json");
     EXPECT_EQ(refused.code, 2) << plan;
@@ -259,10 +235,10 @@ TEST_F(ProgramCommand, PlansOfPositionsAreRefusedForAControlWithOneFilter) {
 
 /// Up to 3 ms, an average passes vibrations of 20 Hz nearly whole.
 TEST_F(ProgramCommand, AFamilyWithoutASettingThatHoldsIsSaid) {
-  write("control.toml", std::string(machine_text) +
+  write("control.toml", std::string(test::corner_machine) +
                             "[design]\nfamily = \"averages\"\nstages = 1\nlength_max_ms = 3\n"
                             "[[mode]]\nfrequency_Hz = [18, 22]\nresidual_max = 0.05\n");
-  write("part.ngc", corners);
+  write("part.ngc", test::corner_program);
   const Output none = run("program part.ngc --feeds keep --task control.toml --json r.json");
   EXPECT_EQ(none.code, 1);
   EXPECT_THAT(none.err, HasSubstr("no setting of 1 average that was planned holds all limits"));
@@ -280,7 +256,7 @@ TEST_F(ProgramCommand, ATimeLimitEndsASearchInWhichNoSettingHolds) {
   const Output none = run("program part.ngc --task control.toml --time-limit 1 --json r.json");
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 30.0);
   EXPECT_EQ(none.code, 1) << none.out;
-  EXPECT_THAT(none.out, HasSubstr("NOT verified: the time limit ended the planning before a plan held all limits"));
+  EXPECT_THAT(none.out, HasSubstr("the control has no delays with which a plan holds all limits"));
 }
 
 }  // namespace

@@ -10,13 +10,6 @@
 namespace accdec {
 namespace {
 
-double feed_of(const Toolpath& path, std::size_t b) {
-  double length = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-  return length / path.duration[b];
-}
-
 /// Whether the feed steps down before the joint inside its block, or up behind it. Chords of an arc have feeds of their
 /// own.
 bool lowered_beside(const Toolpath& path, std::size_t b) {
@@ -24,8 +17,8 @@ bool lowered_beside(const Toolpath& path, std::size_t b) {
     return path.line[joint] == path.line[joint + 1] && path.joint[joint] == Joint::straight &&
            path.inside_arc[joint] == 0;
   };
-  return (b > 0 && step(b - 1) && feed_of(path, b - 1) > feed_of(path, b)) ||
-         (b + 2 < path.blocks() && step(b + 1) && feed_of(path, b + 2) > feed_of(path, b + 1));
+  return (b > 0 && step(b - 1) && commanded_feed(path, b - 1) > commanded_feed(path, b)) ||
+         (b + 2 < path.blocks() && step(b + 1) && commanded_feed(path, b + 2) > commanded_feed(path, b + 1));
 }
 
 /// Takes the command and finds how the control holds it back at each joint.
@@ -143,7 +136,7 @@ bool corner_feeds_had(const Toolpath& path, const Toolpath& programmed, const st
     if (path.joint[b] != Joint::corner) continue;
     while (programmed.joint[p] != Joint::corner) ++p;
     const auto [first, second] = corner_feed_whole(programmed, p++);
-    const double in = multiple(feed_of(path, b) / first), out = multiple(feed_of(path, b + 1) / second);
+    const double in = multiple(commanded_feed(path, b) / first), out = multiple(commanded_feed(path, b + 1) / second);
     if (delays[b] > 0 || !lowered_beside(path, b)) continue;
     const double whole = std::round(in);
     if (std::abs(in - whole) > snapped * whole || std::abs(out - whole) > snapped * whole) return false;

@@ -20,14 +20,15 @@ double corner_feed_step_of(const std::optional<ControllerSettings>& settings) {
   return settings && settings->names(DelayKind::corner_feed) ? settings->corner_feed_step : 0.0;
 }
 
+double commanded_feed(const Toolpath& path, std::size_t b) {
+  double length = 0.0;
+  for (std::size_t a = 0; a < path.dimensions(); ++a)
+    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
+  return length / path.duration[b];
+}
+
 std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b) {
-  std::array<double, 2> feeds{};
-  for (const std::size_t i : {0, 1}) {
-    double length = 0.0;
-    for (std::size_t a = 0; a < path.dimensions(); ++a)
-      length = std::hypot(length, path.point(b + i + 1)[a] - path.point(b + i)[a]);
-    feeds[i] = length / path.duration[b + i];
-  }
+  std::array<double, 2> feeds{commanded_feed(path, b), commanded_feed(path, b + 1)};
   if (path.rapid[b] == path.rapid[b + 1]) return feeds;
   const std::size_t rapid = path.rapid[b] != 0 ? 0 : 1;
   feeds[rapid] = std::min(feeds[0], feeds[1]);

@@ -22,6 +22,9 @@ bool runs_on(const ControlDelays& control);
 /// The part of both feeds of whose multiples corner feeds are; 0 if the control has none.
 double corner_feed_step_of(const std::optional<ControllerSettings>& settings);
 
+/// The feed of block b, m/s.
+double commanded_feed(const Toolpath& path, std::size_t b);
+
 /// The feeds, m/s, of whose multiples corner feeds before and behind the end of block b are: those of the path. A rapid
 /// move beside a feed move has no more than that one's.
 std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b);
