@@ -44,9 +44,9 @@ def combined(a, left, b, right):
     return form, a * left[1] + b * right[1]
 
 
-def solve(file):
-    """Status, objective and point. A rotated cone |u|^2 <= 2 s t becomes |(s - t, sqrt2 u)| <= s + t."""
-    from cvxopt import matrix, solvers, spmatrix  # here, so that others may read files without it
+def standard(file):
+    """Columns, costs, constant; rows that are 0, rows >= 0, and rows of second-order cones with the cones' sizes.
+    A rotated cone |u|^2 <= 2 s t becomes |(s - t, sqrt2 u)| <= s + t."""
     n, costs, constant, cones, rows = read(file)
     equal, linear, second, sizes, at = [], [], [], [], 0
     for kind, size in cones:
@@ -61,6 +61,13 @@ def solve(file):
             second += [combined(1, part[0], 1, part[1]), combined(1, part[0], -1, part[1])]
             second += [combined(2**0.5, u, 0, u) for u in part[2:]]
             sizes.append(size)
+    return n, [costs.get(i, 0.0) for i in range(n)], constant, equal, linear, second, sizes
+
+
+def solve(file):
+    """Status, objective and point."""
+    from cvxopt import matrix, solvers, spmatrix  # here, so that others may read files without it
+    n, costs, constant, equal, linear, second, sizes = standard(file)
 
     def system(forms):
         places = [(r, i, v) for r, (form, _) in enumerate(forms) for i, v in form.items()]
@@ -69,7 +76,7 @@ def solve(file):
 
     g, h = system(linear + second)
     a, b = system(equal)
-    c = matrix([costs.get(i, 0.0) for i in range(n)], (n, 1), "d")
+    c = matrix(costs, (n, 1), "d")
     solvers.options["show_progress"] = False
     answer = {"status": "unknown"}
     for tolerance in (1e-9, 1e-8, 1e-7):  # its steps break down now and then
