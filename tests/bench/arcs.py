@@ -40,7 +40,8 @@ class Arc:
     def derivatives(self, s):
         rate = math.copysign(self.share / self.radius, self.turn)
         angle = self.begin + rate * s
-        e, n = np.column_stack([np.cos(angle), np.sin(angle), 0 * s]), np.column_stack([-np.sin(angle), np.cos(angle), 0 * s])
+        e = np.column_stack([np.cos(angle), np.sin(angle), 0 * s])
+        n = np.column_stack([-np.sin(angle), np.cos(angle), 0 * s])
         first = self.radius * rate * n
         first[:, 2] = self.climb
         return first, -self.radius * rate**2 * e, -self.radius * rate**3 * n
@@ -118,7 +119,8 @@ def s_curve_time(piece):
     """s, of the fastest tangential S-curve that keeps the limits of every axis."""
     best = math.inf
     curvature = np.linalg.norm(piece.derivatives(np.zeros(1))[1])
-    top = FEED if curvature == 0 else min(FEED, math.sqrt(1.42 * ACCELERATION / curvature), (1.42 * JERK / curvature**2) ** (1 / 3))
+    top = FEED if curvature == 0 else min(FEED, math.sqrt(1.42 * ACCELERATION / curvature),
+                                          (1.42 * JERK / curvature**2) ** (1 / 3))
     for v in top * np.linspace(0.4, 1, 25):
         for a in ACCELERATION * np.linspace(0.1, 1.4, 27):
             for j in JERK * np.linspace(0.1, 1.4, 14):
@@ -141,7 +143,9 @@ def keeps_limits(piece, phases):
         way = s + ds * t + 0.5 * dds * t**2 + jerk * t**3 / 6
         first, second, third = piece.derivatives(way)
         a, v = a[:, None], v[:, None]
-        if np.abs(first * v).max() > VELOCITY * (1 + 1e-9) or np.abs(first * a + second * v**2).max() > ACCELERATION * (1 + 1e-6):
+        if np.abs(first * v).max() > VELOCITY * (1 + 1e-9):
+            return False
+        if np.abs(first * a + second * v**2).max() > ACCELERATION * (1 + 1e-6):
             return False
         if np.abs(first * jerk + 3 * second * v * a + third * v**3).max() > JERK * (1 + 1e-6):
             return False
@@ -151,7 +155,8 @@ def keeps_limits(piece, phases):
 
 def trochoid():
     pieces = []
-    lines = [line for line in (SOURCE / "problems/program/trochoid.ngc").read_text().splitlines() if line.startswith("G3")]
+    program = (SOURCE / "problems/program/trochoid.ngc").read_text()
+    lines = [line for line in program.splitlines() if line.startswith("G3")]
     for line in lines:
         radius = abs(float(line.split("I")[1].split()[0]))
         pieces.append(Arc(radius, 0.0 if len(pieces) % 2 == 0 else math.pi, math.pi))
@@ -176,16 +181,22 @@ def cases():
     yield "trochoid.ngc, its arcs", text, pieces
 
 
-def planned(accdec, folder, text, jerk, seconds):
-    program, task, result = folder / "arcs.ngc", folder / "task.toml", folder / "r.json"
+def files(folder, text, jerk):
+    """The program and its task."""
+    program, task = folder / "arcs.ngc", folder / "task.toml"
     program.write_text(text)
     task.write_text(f"sample_period_ms = {1e3 * T:g}\n" + "".join(
         f'[[axis]]\nname = "{axis}"\nvelocity_max_mm_s = {VELOCITY:g}\nacceleration_max_mm_s2 = {ACCELERATION:g}\n'
         + (f"jerk_max_mm_s3 = {JERK:g}\n" if jerk else "") for axis in "xyz"))
-    times = []
+    return program, task
+
+
+def planned(accdec, folder, text, jerk, seconds):
+    program, task = files(folder, text, jerk)
+    result, times = folder / "r.json", []
     for plan in ("fixed", "free"):
-        subprocess.run([accdec, "program", program, "--task", task, "--plan", plan, "--time-limit", str(seconds), "--json",
-                        result, "--quiet"], check=True, capture_output=True)
+        subprocess.run([accdec, "program", program, "--task", task, "--plan", plan, "--time-limit", str(seconds),
+                        "--json", result, "--quiet"], check=True, capture_output=True)
         document = json.loads(result.read_text())
         times.append(document["cycle_time_s"])
     bound = max(b["time_s"] for b in document["bounds"] if b["name"] != "monotone legs")
@@ -204,6 +215,10 @@ acceleration jumps, so under a jerk limit its S-curves stop there.
 
 A motion within a tolerance may be faster than any on the exact path. `fixed` has one filter, `free` is
 `--plan free --time-limit %g`. The bound holds for any motion within the tolerance.
+
+Without a jerk limit `free` is within 1 %% of the least time on every path. With one, no S-curve here is faster by more
+than 0.1 %%, and `free` is up to a third faster. The plan `fixed` suits arcs under a jerk limit badly, as its one filter
+rounds them and has to slow down for that.
 """
 
 
@@ -218,7 +233,8 @@ def main():
         for jerk in (False, True):
             title = f"Jerk at most {JERK:g} mm/s^3" if jerk else "No jerk limit"
             reference = "S-curve" if jerk else "least time"
-            text += f"\n## {title}\n\n| path | {reference} | fixed | free | free, % of it | bound |\n|---|--:|--:|--:|--:|--:|\n"
+            text += f"\n## {title}\n\n| path | {reference} | fixed | free | free, % of it | bound |\n"
+            text += "|---|--:|--:|--:|--:|--:|\n"
             for name, program, pieces in cases():
                 best = sum(s_curve_time(piece) for piece in pieces) if jerk else least_time(pieces)
                 fixed, free, bound = planned(options.accdec, pathlib.Path(folder), program, jerk, options.seconds)
