@@ -222,7 +222,7 @@ void say_what_ended(const ProgramResult& result, const ProgramFileOptions& optio
   const double passed = -options.deadline.left(), limit = options.time_limit.value_or(0.0);
   if (!options.deadline.asked_to_end() && passed > 0.1 + 0.1 * limit) {
     fmt::print(stderr,
-               "it was passed by {:.1f} s: reading the program, one plan of it and its check are never cut short\n",
+               "it was exceeded by {:.1f} s: reading the program, one plan of it and its check are never cut short\n",
                passed);
   }
   if (ratio > 2.0) fmt::print(stderr, "this plan takes {:.3g} times the bound way over feed\n", ratio);
