@@ -27,7 +27,7 @@ struct CompareArguments {
   ClusterOptions cluster;
 };
 
-/// A margin problem asks for the least error at given delays: whoever gave none gets them at 0, and is told.
+/// A margin problem asks for the least error at given delays. If none are given, they are 0, and a line says so.
 void tell_missing_delays(const Suite& suite) {
   std::string last;
   for (const comparison::CaseSpec& spec : suite.cases) {
@@ -57,7 +57,7 @@ int run_cluster(const CompareArguments& options, const Context& context) {
   work.claim = [&] { claim_comparison_folder(suite, options.run.out); };
   work.check = [&](const std::string& frozen) {
     if (read_suite(frozen, options.solvers).hash != suite.hash)
-      throw std::runtime_error(fmt::format("{}: the copy is another suite than {}", frozen, options.suite));
+      throw std::runtime_error(fmt::format("{}: this copy of the suite differs from {}", frozen, options.suite));
   };
   work.states = [&](std::size_t shards) { return comparison::comparison_shards(suite, options.run.out, shards); };
   work.finished = [&] { return comparison_finished(suite, options.run.out); };

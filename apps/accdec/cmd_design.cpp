@@ -67,7 +67,7 @@ double search_seconds(const Task& task, double limit, double reading, bool quiet
   return search;
 }
 
-/// The options of the search but for its time, from the command line. Throws std::invalid_argument for options that
+/// The options of the search except its time, from the command line. Throws std::invalid_argument for options that
 /// exclude each other.
 DesignOptions asked_options(const DesignArguments& arguments, const Task& task, bool quiet) {
   DesignOptions options;

@@ -70,7 +70,7 @@ Task task_of(const std::string& path) {
 void run(const IdentifyArguments& options, Context& context) {
   const std::string type = options.figure.empty() ? "" : figure_format(options.figure);
   Task task = task_of(options.task);
-  // Else the smoothing found would be what comes in front of the one known.
+  // Otherwise the smoothing found would be one in front of the known one.
   if (options.prefilter) task.machine.prefilter_taps.clear();
   require_outputs({options.out, options.figure}, {options.log, options.task});
   const MotionLog log = read_motion_log(options.log, task.sample_period);

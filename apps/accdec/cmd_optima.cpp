@@ -66,7 +66,7 @@ void run(const OptimaArguments& arguments, Context& context) {
   manifest["schema"] = "accdec.optima/1";
   manifest["command"] = command;
   add_environment(manifest, ACCDEC_VERSION);
-  // The manifest first: whatever ends this between two files, the folder is known again.
+  // The manifest comes first, so that the folder is recognised even if this ends between two files.
   OutputFiles output;
   std::vector<std::string> names{(std::filesystem::path(arguments.out) / "manifest.json").string()},
       inputs = arguments.tasks;

@@ -26,7 +26,7 @@ void add_paper(CLI::App& app, Context& context) {
     require_results_folder(*folder, {"accdec.manifest/1", "command", "results of the paper", "accdec paper "});
     const std::vector<paper::Table> tables{paper::table1(), paper::table2()};
     auto files = paper::files(tables, "accdec paper --out " + *folder, ACCDEC_VERSION);
-    // The manifest first: whatever ends this between two files, the folder is known again.
+    // The manifest comes first, so that the folder is recognised even if this ends between two files.
     std::rotate(files.begin(), files.end() - 1, files.end());
     create_results_folder(*folder);
     OutputFiles output;

@@ -30,8 +30,8 @@ struct PlotArguments {
   std::string result, out, corner, view = "auto";
 };
 
-/// As `accdec program --figure` draws it, which takes the program as it was read. Where it is not there any more, what
-/// the commands alone show.
+/// Draws what `accdec program --figure` draws, which needs the program as it was read. If the program is gone, draws
+/// what the commands alone show.
 std::string draw_program(const std::string& text, const PlotArguments& options, const std::string& format) {
   if (!options.corner.empty())
     throw std::invalid_argument("--corner goes with results of evaluate and design: a program is drawn whole");
@@ -46,7 +46,7 @@ std::string draw_program(const std::string& text, const PlotArguments& options, 
   std::string why = changed_inputs(record.inputs);
   std::vector<std::string> reasons;
   const std::optional<Toolpath> programmed = why.empty() ? read_again(record, reasons) : std::nullopt;
-  if (why.empty() && !programmed) why = "the program was run by rs274, which is not here";
+  if (why.empty() && !programmed) why = "the program was run by rs274, which is not installed";
   if (programmed && plan_again) {
     if (record.result.status != Status::feasible) throw std::invalid_argument("the result is failed: no plan to draw");
     const ProgramResult planned =

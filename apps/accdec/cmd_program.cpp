@@ -144,7 +144,7 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
   return result;
 }
 
-/// The plan asked for; none where no filter holds, which is said.
+/// The requested plan. None if no filter holds; a line then says so.
 std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context& context, ProgramFile& file,
                                        const Task& task) {
   std::optional<ProgramResult> result;
@@ -222,10 +222,10 @@ void say_what_ended(const ProgramResult& result, const ProgramFileOptions& optio
   const double passed = -options.deadline.left(), limit = options.time_limit.value_or(0.0);
   if (!options.deadline.asked_to_end() && passed > 0.1 + 0.1 * limit) {
     fmt::print(stderr,
-               "it was passed by {:.1f} s: reading the program, one plan of it and its check are never cut short\n",
+               "it was exceeded by {:.1f} s: reading the program, one plan of it and its check are never cut short\n",
                passed);
   }
-  if (ratio > 2.0) fmt::print(stderr, "this one takes {:.3g} times the way over the feed\n", ratio);
+  if (ratio > 2.0) fmt::print(stderr, "this plan takes {:.3g} times the bound way over feed\n", ratio);
 }
 
 void run(ProgramArguments& options, Context& context) {

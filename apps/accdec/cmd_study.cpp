@@ -35,7 +35,7 @@ int run_cluster(const StudyArguments& options, const Context& context) {
   work.claim = [&] { claim_study_folder(study, options.run.out); };
   work.check = [&](const std::string& frozen) {
     if (read_study(frozen).hash() != study.hash())
-      throw std::runtime_error(fmt::format("{}: the copy is another study than {}", frozen, options.study));
+      throw std::runtime_error(fmt::format("{}: this copy of the study differs from {}", frozen, options.study));
   };
   work.states = [&](std::size_t shards) { return study_shards(study, options.run.out, shards); };
   work.finished = [&] { return study_finished(study, options.run.out); };

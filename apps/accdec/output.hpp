@@ -29,7 +29,7 @@ std::optional<double> fraction(const std::string& text);
 
 inline constexpr double certificate_max_default = 50.0;  ///< MB
 
-/// Says what of a task may be a slip though it is allowed.
+/// Warns of values in a task that are allowed but may be a slip.
 void warn(const Task& task, const std::string& path, const Context& context);
 
 /// Writes the result to `json_path` unless that is empty, prints the table unless quiet or standard output carries

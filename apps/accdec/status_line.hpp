@@ -9,8 +9,8 @@
 namespace accdec::cli {
 
 /// Progress on standard error. On a terminal: one line with the time since the beginning and the latest news, rewritten
-/// every second so that nobody wonders whether anything goes on. Elsewhere: after the first second every piece of news
-/// as a line of its own, and nothing in between.
+/// every second to show that work goes on. Elsewhere: after the first second every piece of news as a line of its own,
+/// and nothing in between.
 class StatusLine {
  public:
   enum class Lines { news, none };  ///< what is written where standard error is no terminal

@@ -102,12 +102,12 @@ void print_accepted(const ProgramRecord& record, const std::string& shown, bool 
                     const std::vector<std::string>& open) {
   fmt::print("accepted: {}\n", printable(shown));
   if (read) {
-    fmt::print("{} read again: every programmed point in order, no feed above and no tolerance other than its own\n",
+    fmt::print("{} read again: the plan passes its points in order, within its feeds and with its tolerances\n",
                printable(record.inputs.program));
   } else {
     fmt::print(
-        "the program was run by rs274, which is not here, and is not read again: points, tolerances and feeds are "
-        "those recorded\n");
+        "the program was run by rs274, which is not installed, so it is not read again: points, tolerances and feeds "
+        "are those recorded\n");
   }
   if (!std::filesystem::is_regular_file(record.inputs.task_path))
     fmt::print("{} is not there: the task is the one in the result\n", printable(record.inputs.task_path));

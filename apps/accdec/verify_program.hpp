@@ -10,8 +10,8 @@
 
 namespace accdec::cli {
 
-/// `accdec verify` of a result of `accdec program`: the motion of its plan made again, and the plan held against the
-/// program's file where that is still there as it was.
+/// `accdec verify` of a result of `accdec program`: makes the motion of its plan again, and compares the plan with the
+/// program's file if that has not changed.
 /// @param limit  s; what is estimated to take longer is not begun, and what does take longer is not checked
 /// @param spent  s of it, for reading the text
 void verify_program(const std::string& text, const std::string& path, double limit, double spent, Context& context);

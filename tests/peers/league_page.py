@@ -13,8 +13,8 @@ It knows nothing of who planned it.
 
 * *holds* counts motions that exceed no limit of an axis by more than 2 %%. They also keep the tolerances of all
   programmed points and of the legs between them.
-* *fastest* counts programs on which no planner that holds is faster by more than 0.1 %%.
-* *behind* is the median over its motions that hold of their time over that of the fastest planner that holds.
+* *fastest* counts cases in which no planner that holds is faster by more than 0.1 %%.
+* *behind*: how much longer its motions that hold take than those of the fastest planner that holds, in the median.
 * *breaks* says what its other motions break, how many of them, and by how much at most.
 
 LinuxCNC 2.9 (Debian's package) and Klipper have no jerk limit, so their motions are judged under limits that they were
@@ -25,9 +25,9 @@ there is no jerk limit. `accdec free` had %d s a program and one thread, the oth
 work during the run, so plans that ended at their time limit may be slower than they could be.
 
 The programs are those of `problems/program` and generated ones (`accdec generate`, F6000, P0.05). Two turns of R10 are
-on the exact path, and one program has corners between lines and arcs. *package* stands for programs of LinuxCNC's package, which nobody here
-wrote. They are read whole, at P0.05, without tool changes. accdec reads canned cycles, loops and calls by rs274, which
-prints inches with four decimals. Such motions break exact stops by up to 1.8 um.
+on the exact path, and one program has corners between lines and arcs. *package* stands for programs of LinuxCNC's
+package, which nobody here wrote. They are read whole, at P0.05, without tool changes. accdec reads canned cycles, loops
+and calls by rs274, which prints inches with four decimals. Such motions break exact stops by up to 1.8 um.
 
 Not every planner has run at every limit: `motions` says how many, and empty cells in the tables are runs not made yet.
 `league.py` makes them.
@@ -96,11 +96,11 @@ def summary(rows, jerks):
         table, cases = standing(rows, jerk)
         table.sort(key=lambda line: -line["fastest"])
         first = table[0]
-        said.append("With %s, `%s` is the fastest that holds on %d of %d programs and limits." % (
-            name_of(jerk), first["planner"], first["fastest"], cases))
+        said.append("With %s, `%s` is the fastest planner within all limits and tolerances in %d of %d "
+                    "cases." % (name_of(jerk), first["planner"], first["fastest"], cases))
         others = [line for line in table if not line["planner"].startswith("accdec") and line["fastest"]]
-        said += ["%s is on %d." % (line["planner"], line["fastest"]) for line in others]
-    return " ".join(said)
+        said += ["%s is the fastest in %d." % (line["planner"], line["fastest"]) for line in others]
+    return " ".join(said + ["A case is a program at one acceleration."])
 
 
 def page(rows):
@@ -111,7 +111,7 @@ def page(rows):
     for jerk in jerks:
         table, cases = standing(rows, jerk)
         head = ["planner", "motions", "holds", "fastest", "behind", "breaks"]
-        text += "\n%s, %d programs and limits:\n\n" % (name_of(jerk).capitalize(), cases)
+        text += "\n%s, %d cases:\n\n" % (name_of(jerk).capitalize(), cases)
         text += markdown(head, [[str(line[word]) for word in head] for line in table])
     planners = names(rows, "planner")
     text += ("\nThe tables below have times in s from the first to the last change of position. An asterisk marks a motion"

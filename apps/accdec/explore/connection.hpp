@@ -8,8 +8,8 @@
 
 namespace accdec::explore {
 
-/// A socket with limits that the library lacks. The head of a request must arrive within a short time, as a thread
-/// waits for it before anybody knows whose it is. The whole request has a time, too, at whatever pace it comes. It is
+/// A socket with limits that the library lacks. The head of a request must arrive within a short time, because a thread
+/// waits for it before it is known who asks. The whole request has a time limit, too, however slowly it comes. It is
 /// read up to a number of bytes in all, however many header lines it has.
 class Connection : public httplib::Stream {
  public:

@@ -252,7 +252,7 @@ Answer answer(const Question& question) {
   const auto cancelled = [&] { return question.cancel != nullptr && question.cancel->load(); };
   try {
     Answer given = answer_unguarded(question);
-    // A search that was cancelled ends with what it has by then, which nobody asks for any more.
+    // A cancelled search ends with what it has by then; no page waits for it.
     return cancelled() ? Answer{204, "application/json", ""} : given;
   } catch (const InputError& error) {
     return problem(400, error.what());

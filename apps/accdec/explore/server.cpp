@@ -40,7 +40,7 @@ std::string random_token() {
   return token;
 }
 
-/// In a time that does not depend on where they differ.
+/// Compares in a time that does not depend on where they differ.
 bool same(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned char difference = 0;
@@ -110,7 +110,7 @@ class PageServer : public httplib::Server {
                          {"Cross-Origin-Resource-Policy", "same-origin"},
                          {"Referrer-Policy", "no-referrer"},
                          {"X-Content-Type-Options", "nosniff"}});
-    // Refusals by the library, which have no words: a body or an address that is too long, a head that is none.
+    // The library refuses these without a text: a body or an address that is too long, an invalid head.
     set_error_handler([](const auto&, auto& response) {
       if (response.body.empty()) refuse(response, {response.status, words(response.status)});
     });
@@ -128,7 +128,7 @@ class PageServer : public httplib::Server {
 
   std::string address() const { return fmt::format("http://127.0.0.1:{}/{}/", port_, token_); }
 
-  /// Whether a page has been open and none is any more. While all threads are taken a page may wait for one.
+  /// Whether a page was open and none is open now. While all threads are taken a page may wait for one.
   bool left_alone() {
     const std::lock_guard lock(mutex_);
     const auto now = std::chrono::steady_clock::now();

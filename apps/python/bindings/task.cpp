@@ -140,7 +140,7 @@ family : str or list of str, optional
 controller : dict, optional
     name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has;
     in_position_of ("command" or "actual") and in_position_latency (s): how it sees that it is in-position;
-    corner_feed_step: corners are passed at multiples of this part of both feeds;
+    corner_feed_step: corners are passed at multiples of this fraction of both feeds;
     prefilter_taps: its own smoothing of every axis.
 
 Raises

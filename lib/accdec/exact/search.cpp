@@ -31,8 +31,8 @@ proof::Node widest_split(const LimitModel& model, const Box& box) {
   return split;
 }
 
-/// Symmetric filters and chords: the filter of the leaf is another than that of the linear program, so that times are
-/// split until it does not matter where they are.
+/// With symmetric filters or chords, the filter of the leaf is not that of the linear program. So contour times are
+/// split until it does not matter where in their range they are.
 std::optional<proof::Node> finest_contour_split(const LimitModel& model, const Box& box) {
   if (model.convex() && !model.task().design.symmetric) return std::nullopt;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
@@ -44,8 +44,8 @@ std::optional<proof::Node> finest_contour_split(const LimitModel& model, const B
 
 }  // namespace
 
-/// Uses the delay of the box. With several delays, the linear program has no limits of the blend, so the filter breaks
-/// them.
+/// Whether the filter with the box's delay may be shorter than the target. If the box has several delays, its linear
+/// program has no limits of the blend, so the filter breaks them.
 bool Search::may_be_shorter(const Filter& filter, const Box& box) const {
   if (model_.convex() && box.corners.front().d1 < box.corners.front().d2) return false;
   int first = 0, last = filter.order();
@@ -55,6 +55,9 @@ bool Search::may_be_shorter(const Filter& filter, const Box& box) const {
   return cost_of(task_)(order, {box.corners.front().d1}) < bench_.target() * (1.0 - 1e-9);
 }
 
+/// Refutes a box, or finds a design in it that is shorter than the target. The target first narrows the box. Then
+/// multipliers of earlier boxes may refute it, or a linear program of its own. If none does, the box is split and each
+/// part is refuted. Every refuted part and every split is a node of the proof (`draft_`).
 BoxState Search::refute(Box box) {
   if (bench_.stopped()) return BoxState::stopped;
   const Box whole = box;
@@ -95,8 +98,8 @@ BoxState Search::refute(Box box) {
   return both(refute(first), [&, part = &second] { return refute(*part); });
 }
 
-/// Single delays and samples: where a contour time must be split, as the linear program's filter keeps the tolerance at
-/// no time of its range. Before that, the time of its own crossing is tried.
+/// Single delays and samples: where a contour time must be split, because the linear program's filter keeps the
+/// tolerance at no time of its range. Before that, the time at which the filter itself crosses is tried.
 std::optional<proof::Node> Search::contour_split(const Box& box, const Outcome& outcome) {
   if (!outcome.filter) return std::nullopt;
   const auto missed = missed_contour(model_, *outcome.filter, box);

@@ -18,7 +18,8 @@ std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proo
 /// The proof with the objective it is about, without multipliers that no leaf needs. In proof.cpp.
 std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design);
 
-/// Looks for something shorter than a target, or proves that there is nothing.
+/// Looks for a design shorter than a target, or proves that there is none. A box is a part of all designs: a range of
+/// the order, and ranges of every corner's delay and nearest sample.
 class Search {
  public:
   /// Keeps the reference.

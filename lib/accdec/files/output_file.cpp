@@ -102,7 +102,7 @@ OutputFile::OutputFile(const std::string& path) : state_(std::make_unique<State>
   if (path.empty()) throw OutputError("the name of the file to write is empty");
   s.path = path;
   if (std::error_code code; std::filesystem::is_directory(path, code)) {
-    throw OutputError(path + ": is a directory, a file is to be written");
+    throw OutputError(path + ": is a directory; give the path of a file");
   }
   if (is_standard_output(path)) {
     if (std::fflush(stdout) != 0) s.fail("cannot be written", errno);

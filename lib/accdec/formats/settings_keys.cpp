@@ -36,7 +36,7 @@ std::vector<Key> about_delays() {
   return {
       {.name = "delays",
        .type = KeyType::words,
-       .meaning = "how it delays the second leg of a corner; the design uses only these, at each corner the best",
+       .meaning = "how it delays the second leg of a corner; the design uses only these, the best one at each corner",
        .words = words_of(delay_kinds),
        .noun = "kind of delay",
        .fallback = "any number of samples",
@@ -57,7 +57,7 @@ std::vector<Key> about_delays() {
        .example = "2",
        .of_period = true},
       {.name = "corner_feed_step",
-       .meaning = "with \"corner-feed\": corners are passed at multiples of this part of both feeds, below the whole",
+       .meaning = "with \"corner-feed\": corners are passed at multiples of this fraction of both feeds, below 1",
        .range = {0.001, 0.5},
        .fallback = "0.05",
        .example = "0.1"}};

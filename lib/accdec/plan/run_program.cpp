@@ -31,7 +31,7 @@ namespace {
 constexpr std::size_t tuned_max = 2'000;
 constexpr double hopelessly_slower = 1.25;
 constexpr int feed_rounds_max = 40;    // of mending feeds
-constexpr double stepping_time = 0.5;  // s, beyond the time limit, for the plan for want of another
+constexpr double stepping_time = 0.5;  // s, beyond the time limit, for the plan if no other holds
 
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
@@ -65,7 +65,7 @@ class Planning {
     if (all_holds(kept.plan)) result_.cycle_time_kept = kept_;
     offer(std::move(kept), false);
   }
-  /// Whether a program that --emit wrote, which this is, holds as it is: then it is the plan.
+  /// If --emit wrote this program and it holds as it is, it is the plan. False: it is planned like any other.
   bool as_written(const Toolpath& path, Feeds feeds) {
     const std::optional<Filter> written = emitted_filter(path);
     if (!written || !std::ranges::equal(written->taps(), set_.taps())) return false;
@@ -86,7 +86,7 @@ class Planning {
     const bool hopeless = path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
     if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
   }
-  /// Where no plan holds, or the time did not suffice for a good one: a slow one that stops at every joint.
+  /// If no plan holds, or the time ended before a good one was found: a slow one that stops at every joint.
   void stop(const Toolpath& path, bool feeds_chosen) {
     const bool ended = deadline_.over() && path.blocks() <= several_plans_max;
     // Steps of the feed inside the blocks save most of the time, if they are found quickly.
@@ -99,7 +99,7 @@ class Planning {
   /// The plan as the result's.
   void take() {
     ProgramPlan& plan = best_.plan;
-    // For the plan it was enough that each joint holds; what is reported is the least distance.
+    // Planning only had to know that each joint holds. The result reports the least distance.
     SimulationOptions whole;
     whole.whole_windows = true;
     whole.motion = behind_.servo();
@@ -122,7 +122,8 @@ class Planning {
   /// Whether the control can give the delays of the plan taken.
   bool delays_had() const { return delays_had_; }
 
-  /// At the programmed feeds, or with the plan's feeds if only that plan was made.
+  /// The times without delays and with exact stops, at the programmed feeds. If only the plan with chosen feeds was
+  /// made, at its feeds.
   void other_rules() const {
     OtherRules times = accdec::other_rules(at_other_rules(), filter_, task_.sample_period, machine_);
     result_.cycle_time_no_delay = times.no_delay;
@@ -134,7 +135,7 @@ class Planning {
   const Toolpath& at_other_rules() const {
     return result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.plan.path;
   }
-  /// With the feeds and delays of the program, unchanged: what a plan wrote holds as it is.
+  /// Offers a plan with the program's own feeds and delays, unchanged. A program that --emit wrote holds this way.
   void as_commanded(const Toolpath& path, bool feeds_chosen) {
     ScheduledPlan plan{path, {}};
     if (!feeds_chosen) limit_rapids(plan.path, filter_, task_.sample_period, machine_);
@@ -164,7 +165,8 @@ class Planning {
     plan.plan.simulation = std::move(snapped.simulation);
     plan.plan.errors_hold = true;
   }
-  /// Delays of stops are those of legs that are longer than the filter. Shorter ones may need no more than the least.
+  /// Stops were planned with the delay that legs longer than the filter need. After shorter legs the least may be
+  /// enough.
   void relax_stops(ScheduledPlan& plan) const {
     if (!plan.path.given.empty()) return;
     const int least = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
@@ -188,7 +190,7 @@ class Planning {
     settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
     if (!corner_feeds_had(plan.path, programmed_, plan.plan.delays, feed_step_)) plan.plan.delays_had = false;
     const bool first = best_.plan.delays.empty();
-    // Where arcs were to be widened, a plan that does is better than a faster one that does not.
+    // If arcs are to be widened, a plan that widens them is better than a faster one that does not.
     const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
     const bool faster = plan.plan.simulation.samples < best_.plan.simulation.samples;
     const bool better = all_holds(plan.plan) && (!all_holds(best_.plan) || (widened == had_widened ? faster : widened));

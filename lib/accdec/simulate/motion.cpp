@@ -9,6 +9,8 @@
 
 namespace accdec {
 
+/// A kind of plan, sample by sample. `next` gives one sample, false after the last. `pass_steady` passes over samples
+/// that change nothing: at rest or at constant velocity.
 class Motion::Source {
  public:
   Source() = default;
@@ -38,6 +40,7 @@ struct Stretches {
 
 }  // namespace
 
+/// The commands of a path and its delays, convolved with the filter a buffer at a time.
 class Motion::FilteredSource : public Source {
  public:
   FilteredSource(const Toolpath& path, const FilteredCommand& command, const Filter& filter, double period)
@@ -133,6 +136,7 @@ class Motion::FilteredSource : public Source {
   std::size_t next_ = 0, run_ = 0, dwell_ = 0;
 };
 
+/// The ramps and corners of plan `profiles`, behind its last filter.
 class Motion::TrajectorySource : public Source {
  public:
   TrajectorySource(const Toolpath& path, const Trajectory& trajectory, double period)
@@ -170,6 +174,7 @@ class Motion::TrajectorySource : public Source {
   bool rested_ = false;
 };
 
+/// The positions of plan `free` as they are recorded.
 class Motion::SampledSource : public Source {
  public:
   SampledSource(const Toolpath& path, const FreeMotion& motion, double period)

@@ -179,8 +179,8 @@ struct ByLemma {
 using Node = std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit,
                           ResponseSplit, ByLemma, ContourSplit>;
 
-// ---- Lemmas: no filter has delays of at most these for these corners together, whatever the others' are. They are
-// proved once and used all over a tree.
+// ---- Lemmas: no filter has delays of at most these for these corners together, whatever delays the others have. They
+// are proved once and used all over a tree.
 
 struct CornerDelay {
   int corner = 0, delay = 0;

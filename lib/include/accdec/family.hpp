@@ -34,7 +34,7 @@ struct Family {
   Shape shape;
   int pairs;         ///< see FilterSpec
   double outer;      ///< see FilterSpec
-  int averages = 0;  ///< 1 to 3: members are the cascades of so many moving averages; 0: of none
+  int averages = 0;  ///< 1 to 3: members are the cascades of this many moving averages; 0: of none
   int least_order = 0;
   std::optional<RealParameter> parameter{};
 
@@ -53,7 +53,7 @@ const Family* family_of(const FilterSpec& spec);
 /// Visits the members of one order, those of a real parameter by one spec for all of its values; stops when the visitor
 /// says false.
 /// @param order  of the filter, pairs included
-/// @param every  >= 1: of the second average's lengths 1, 2 and from there every so manieth
+/// @param every  >= 1: steps of the second average's lengths, which are 1, 2, 2 + every, 2 + 2 every ..
 /// @param visit  the spec and the lengths of its averages, longest first, empty for a family of none
 using MemberVisitor = std::function<bool(const FilterSpec& spec, std::span<const int> lengths)>;
 void visit_members(const Family& family, int order, int every, const MemberVisitor& visit);

@@ -39,14 +39,14 @@ inline double seconds_since(std::chrono::steady_clock::time_point then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
-/// A moment of wall clock after which no more work is begun, or somebody's wish to end sooner. Copies keep both.
+/// A moment of wall clock after which no more work is begun, or a request to end sooner. Copies keep both.
 class Deadline {
  public:
   /// Never.
   Deadline() = default;
   /// So many seconds from now.
   explicit Deadline(double seconds) : seconds_(seconds) {}
-  /// Also over as soon as this is true, which outlives all copies.
+  /// Also over as soon as `asked` is true. The reference is kept: it must outlive all copies.
   void end_when(const std::atomic<bool>& asked) { asked_ = &asked; }
   /// So many seconds from now, unless this one is over sooner.
   Deadline within(double seconds) const {

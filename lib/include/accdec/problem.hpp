@@ -102,7 +102,7 @@ struct Improvement {
 enum class Stop { none, invalid_number, evaluation_limit, time_limit, cancelled, exception };
 
 /// Thrown by the evaluator. It passes through a C++ solver; before a C one an adapter catches it. `Evaluator::stop`
-/// gives the reason. `Evaluator::stop` says why.
+/// gives the reason.
 class StopRun : public std::runtime_error {
  public:
   StopRun() : std::runtime_error("run stopped by the evaluator") {}

@@ -57,8 +57,8 @@ struct SlowedFeeds {
   std::uint32_t line = 0;  ///< line of that block
 };
 
-/// A plan when the operator overrides the feed. The control commands every feed move at so many times its feed. Filter,
-/// delays (in samples), dwells and rapid moves stay.
+/// A plan when the operator overrides the feed. The control commands every feed move at `factor` times its feed.
+/// Filter, delays (in samples), dwells and rapid moves stay.
 struct FeedOverride {
   double factor = 1.0;             ///< on the feeds
   double worst_error = 0.0;        ///< m, over joints that have a tolerance
@@ -200,8 +200,8 @@ std::vector<ControlEstimate> estimate_times(const Toolpath& path, const Machine&
 std::string estimate_text(const ControlEstimate& estimate, double plan_time);
 
 /// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis
-/// limit and vibration bound is held over the whole program, else `failed` with the worst in the message.
-/// With Feeds::choose the plan at the programmed feeds is a candidate, so that what comes is never slower than it.
+/// limit and vibration bound is held over the whole program, else `failed` with the worst in the message. With
+/// Feeds::choose the plan at the programmed feeds is a candidate, so that the answer is never slower than it.
 /// @param deadline  ends the planning: the fastest plan so far is the answer; `failed` if none holds
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {});
@@ -335,7 +335,7 @@ ProgramResult run_program_file(const std::string& name, ProgramFile& file, const
 /// @param file     as read; its `reading` becomes that of the answer
 /// @param options  for the plan beside it
 /// @param tell     one line a step, may be empty
-/// @throws std::invalid_argument as run_profiles, and for feeds that are to be kept: its ramps choose them
+/// @throws std::invalid_argument as run_profiles, and for Feeds::keep, because its ramps choose the feeds
 ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 

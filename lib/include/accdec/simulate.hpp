@@ -101,7 +101,7 @@ constexpr bool rotary_axis(std::size_t axis) {
 }
 using ProgramPoint = std::array<double, program_axis_count>;
 
-/// How the corner at the end of a move is to be passed.
+/// How the corner at the end of a move must be passed.
 enum class PathControl : std::uint8_t {
   blend,       ///< G64: within the tolerance
   exact_path,  ///< G61: through the corner, which needs no stop where the path goes straight on
@@ -385,7 +385,7 @@ class Motion {
 
   /// The next sample, the start first; false after the last.
   bool next(Sample& sample);
-  /// After next(): passes over samples, but for the last ones, in which the motion rests or goes straight on evenly.
+  /// After next(): passes over samples in which the motion rests or goes straight on evenly, except the last of them.
   void pass_steady();
 
  private:

@@ -1,4 +1,4 @@
-// Tasks: what is to be designed within which limits, and the reader of task files.
+// Tasks: what to design within which limits, and the reader of task files.
 #pragma once
 
 #include <array>

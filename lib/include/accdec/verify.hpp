@@ -39,7 +39,7 @@ Task granted_limits(Task task);
 /// A bound on a corner error, m, widened as by `granted_limits`.
 double granted_error(double error_max);
 
-/// A formula judges a limit so. It rounds otherwise than the simulation.
+/// The verdict of a formula on a limit. It rounds in another way than the simulation.
 enum class Verdict {
   held,
   broken,

@@ -1,4 +1,4 @@
-// In place of what needs libraries that Emscripten has not.
+// Replaces what needs libraries that Emscripten lacks.
 #include <cstdint>
 #include <stdexcept>
 #include <string>

@@ -77,7 +77,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   found.feeds_chosen = record.result.feeds_chosen;
   const bool stepped = found.plan.path.blocks() != programmed.blocks();
   if (found.feeds_chosen ? !in.reading.clamp_feeds : stepped)
-    check.reasons.push_back("feeds are recorded as what the commands are not");
+    check.reasons.push_back("the recorded feeds (chosen or programmed) are not those of the commands");
   found.plan.path.clamped = programmed.clamped;
   const Machine machine = program_machine(record.task.machine, programmed);
   if (found.plan.command() != nullptr) {
