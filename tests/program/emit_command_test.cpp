@@ -46,6 +46,18 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
   EXPECT_GT(number_of("stops.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"));
 }
 
+// Steps of feed inside blocks lose nothing of what acts on the whole program.
+TEST_F(ProgramCommand, ChosenFeedsKeepPlaneAndToolLength) {
+  write("part.ngc", "G21 G90 G18 G64 P0.05\nG54 G43 H1\nG1 X20 Z5 F6000\nX40 Z0\nX60 Z5\nX62 Z0\nM2\n");
+  ASSERT_EQ(run("program part.ngc --task task.toml --tool-length 0 --json r.json --emit e.ngc --figure r.svg").code, 0)
+      << read("err");
+  EXPECT_GT(number_of("r.json", "blocks"), 4) << "no feed is stepped: choose another program";
+  EXPECT_THAT(read("e.ngc"), HasSubstr(" --tool-length 0)"));
+  EXPECT_THAT(read("r.svg"), HasSubstr("z / mm"));
+  ASSERT_EQ(run("program e.ngc --feeds keep --tool-length 0 --task task.toml --json again.json").code, 0) << read("err");
+  EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.5e-3);
+}
+
 // A limit on jerk spans several samples, so that a stop may ask for more rest than the filter; a dwell is this rest.
 TEST_F(ProgramCommand, EmittedDwellsAtStopsTakeNoMoreThanBefore) {
   write("jerk.toml", "sample_period_ms = 2\n[[axis]]\nvelocity_max_mm_s = 300\njerk_max_mm_s3 = 50000\n" +

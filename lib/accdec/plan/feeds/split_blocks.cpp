@@ -35,6 +35,9 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   out.begin = path.begin;
   out.empty_moves = path.empty_moves;
   out.clamped = path.clamped;
+  out.plane = path.plane;
+  out.systems = path.systems;
+  out.length_at = path.length_at;
   out.percent = path.percent;
   out.label = path.label;
   out.end = path.end;
@@ -72,6 +75,10 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   for (Toolpath::Passed passed : path.passed) {
     if (passed.block > 0) passed.block = last[passed.block - 1] + 1;
     out.passed.push_back(std::move(passed));
+  }
+  for (Toolpath::Mode mode : path.modes) {
+    if (mode.block > 0) mode.block = last[mode.block - 1] + 1;
+    out.modes.push_back(mode);
   }
   return out;
 }
