@@ -209,8 +209,8 @@ Written by `tests/bench/arcs.py`: %g mm/s per axis, F%g, %g mm/s^2, T = %g ms. T
 (G61), the others within 0.05 mm. Times in s from the first sample to the first at rest.
 
 The references are computed by the script, not by accdec, and keep every axis' limits. *least time* is that along the
-exact path without a jerk limit, by forward and backward integration of the squared speed. *S-curve* is the best
-tangential S-curve: its speed, acceleration and jerk along the path are constants. Where a line meets an arc the
+exact path without a jerk limit. It comes from forward and backward integration of the squared speed. *S-curve* is the
+best tangential S-curve: its speed, acceleration and jerk along the path are constants. Where a line meets an arc the
 acceleration jumps, so under a jerk limit its S-curves stop there.
 
 A motion within a tolerance may be faster than any on the exact path. `fixed` has one filter, `free` is

@@ -54,7 +54,8 @@ TEST_F(ProgramCommand, ChosenFeedsKeepPlaneAndToolLength) {
   EXPECT_GT(number_of("r.json", "blocks"), 4) << "no feed is stepped: choose another program";
   EXPECT_THAT(read("e.ngc"), HasSubstr(" --tool-length 0)"));
   EXPECT_THAT(read("r.svg"), HasSubstr("z / mm"));
-  ASSERT_EQ(run("program e.ngc --feeds keep --tool-length 0 --task task.toml --json again.json").code, 0) << read("err");
+  ASSERT_EQ(run("program e.ngc --feeds keep --tool-length 0 --task task.toml --json again.json").code, 0)
+      << read("err");
   EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.5e-3);
 }
 
