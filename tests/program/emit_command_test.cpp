@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -48,14 +49,18 @@ TEST_F(ProgramCommand, EmittedProgramKeepsWhatIsNotAboutMotion) {
 
 // Steps of feed inside blocks lose nothing of what acts on the whole program.
 TEST_F(ProgramCommand, ChosenFeedsKeepPlaneAndToolLength) {
-  write("part.ngc", "G21 G90 G18 G64 P0.05\nG54 G43 H1\nG1 X20 Z5 F6000\nX40 Z0\nX60 Z5\nX62 Z0\nM2\n");
-  ASSERT_EQ(run("program part.ngc --task task.toml --tool-length 0 --json r.json --emit e.ngc --figure r.svg").code, 0)
+  write("part.ngc", "G21 G90 G18 G64 P0.05\nG54 G43 H1\nG1 X60 F12000\nX61 Z2\nX62 Z0\nX63 Z2\nX64 Z0\nX120\nM2\n");
+  write("slow.toml",
+        "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
+        "[filter]\nkind = \"boxcar\"\norder = 99\n");
+  ASSERT_EQ(run("program part.ngc --task slow.toml --tool-length 0 --json r.json --emit e.ngc --figure r.svg").code, 0)
       << read("err");
-  EXPECT_GT(number_of("r.json", "blocks"), 4) << "no feed is stepped: choose another program";
-  EXPECT_THAT(read("e.ngc"), HasSubstr(" --tool-length 0)"));
+  const std::string text = read("e.ngc");
+  EXPECT_GT(std::count(text.begin(), text.end(), 'F'), 4) << "no feed is stepped inside a block:\n" << text;
+  EXPECT_THAT(text, HasSubstr(" --tool-length 0)"));
   EXPECT_THAT(read("r.svg"), HasSubstr("z / mm"));
-  ASSERT_EQ(run("program e.ngc --feeds keep --tool-length 0 --task task.toml --json again.json").code, 0)
-      << read("err");
+  const std::string again = "program e.ngc --feeds keep --tool-length 0 --dwells-before-filter --task slow.toml ";
+  ASSERT_EQ(run(again + "--json again.json").code, 0) << read("err");
   EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.5e-3);
 }
 
