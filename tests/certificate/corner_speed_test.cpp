@@ -38,6 +38,18 @@ TEST(CornerSpeed, RightAngleAgainstTheClosedForm) {
   }
 }
 
+// The same with twenty million taps from rest to the feed, which nobody can add one by one for every speed. The jerk
+// limit lets the acceleration rise in a few samples.
+TEST(CornerSpeed, OfMillionsOfTapsIsTheClosedFormToo) {
+  const double speed = 0.02, error = std::sqrt(0.5) * speed * speed / (2.0 * 5.0);
+  for (const double part : {0.9, 1.1}) {
+    Task task = right_angle(speed, part * error);
+    task.sample_period = 1e-9;
+    for (Axis& axis : task.machine.axes) axis.jerk_max = 1e9;
+    EXPECT_EQ(contradictions(task).size(), part < 1.0 ? 1u : 0u) << part;
+  }
+}
+
 /// The task with every limit that the bound looks at as tight as this filter and delay leave it.
 void tighten_to(Task& task, const Filter& filter, int delay) {
   const DesignResult result = assess(task, filter, {delay}, false);

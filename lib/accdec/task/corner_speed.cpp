@@ -7,17 +7,40 @@
 namespace accdec {
 namespace {
 
-/// The last taps of a filter, or the first ones backwards, as large as they can be and still end.
+/// The last taps of a filter, or the first ones backwards, as large as they can be and still end: first as many as can
+/// be of the largest, then falling by `step` from tap to tap. By closed forms, as slow axes have millions of taps.
 struct Ramp {
   double mass = 0.0, moment = 0.0;  ///< sums of taps, and of taps times their distance (1 for the first)
 
   Ramp(const TapBounds& bounds, double top, double at_most) {
-    for (int i = 0; mass < at_most; ++i) {
-      double tap = std::min(bounds.most, bounds.step < unlimited ? top - i * bounds.step : at_most - mass);
-      if (!(tap > 0.0)) break;
-      tap = std::min(tap, at_most - mass);
-      mass += tap, moment += (i + 1.0) * tap;
+    const double most = std::min(bounds.most, at_most), step = bounds.step;
+    if (!(most > 0.0)) return;
+    const double equal = step == unlimited ? unlimited : std::max(0.0, std::floor((top - most) / step) + 1.0);
+    const double full = std::min(equal, std::floor(at_most / most));
+    mass = full * most, moment = 0.5 * full * (full + 1.0) * most;
+    if (full < equal) {
+      add(at_most - mass, full + 1.0);
+      return;
     }
+    const double first = top - equal * step, left = at_most - mass;
+    const auto sum = [&](double n) { return n * (first - 0.5 * step * (n - 1.0)); };
+    const double falling = std::max(0.0, std::ceil(first / step));
+    // The largest number whose sum is at most `left`; rounding may put the root beside it.
+    const double half = first + 0.5 * step, root = half * half - 2.0 * step * left;
+    double n = root > 0.0 ? std::floor(2.0 * left / (half + std::sqrt(root))) : falling;
+    n = std::clamp(n, 0.0, falling);
+    while (n > 0.0 && sum(n) > left) n -= 1.0;
+    while (n < falling && sum(n + 1.0) <= left) n += 1.0;
+    mass += sum(n);
+    moment += (equal + 1.0) * sum(n) + n * (n - 1.0) * (0.5 * first - step * (2.0 * n - 1.0) / 6.0);
+    if (n < falling) add(at_most - mass, equal + n + 1.0);
+  }
+
+ private:
+  /// A last tap that is not as large as it may be.
+  void add(double tap, double distance) {
+    if (!(tap > 0.0)) return;
+    mass += tap, moment += tap * distance;
   }
 };
 
