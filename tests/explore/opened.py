@@ -39,10 +39,16 @@ class Page:
         self.wait("!document.body.classList.contains('stale')", "the answer is there")
         time.sleep(0.1)
 
+    def enter(self, selector, value, event):
+        """A value in a field or menu, with the event by which its control notices."""
+        self.value(f"(f => {{ f.value = {json.dumps(value)}; f.dispatchEvent(new Event('{event}')); }})"
+                   f"(document.querySelector('{selector}'))")
+
     def key(self, name, shift=False):
         for kind in ("keyDown", "keyUp"):
             code = {"ArrowLeft": 37, "ArrowRight": 39, "Tab": 9, "z": 90}[name]
-            self.browser.page("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=code, modifiers=8 * shift)
+            self.browser.page("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=code,
+                              modifiers=8 * shift)
 
     def task_file(self):
         """What `copy as task file` gives."""
@@ -54,7 +60,9 @@ class Page:
         file = self.home / "page.toml"
         file.write_text(self.task_file())
         out = self.home / "result.json"
-        said = subprocess.run([self.accdec, "design", file, "--json", out], check=True, capture_output=True, text=True).stdout
+        said = subprocess.run(
+            [self.accdec, "design", file, "--json", out], check=True, capture_output=True, text=True
+        ).stdout
         result = json.loads(out.read_text())
         shown = self.value("Number(document.querySelector('#time').dataset.value)")
         check(shown == result["cycle_time_s"], f"{what}: {shown} s, as accdec design --json has it")
@@ -63,9 +71,13 @@ class Page:
             check(saved == result["savings"]["total_s"], f"{what}: {saved} s saved, as accdec design --json has it")
         table = self.value("[...document.querySelectorAll('#corner-table tbody tr')].map(r => r.cells[1].textContent)")
         check(table == [str(c["delay_samples"]) for c in result["corners"]], f"{what}: delays {table}")
-        rows = self.value("[...document.querySelectorAll('#corner-table tbody tr')].map(r => [...r.cells].map(c => c.textContent))")
+        rows = self.value(
+            "[...document.querySelectorAll('#corner-table tbody tr')].map(r => [...r.cells].map(c => c.textContent))"
+        )
         lines = [" ".join(line.split()) for line in said.splitlines()]
-        check(all(" ".join(row) in lines for row in rows), f"{what}: corners as the command line prints them, {rows[0]}")
+        check(
+            all(" ".join(row) in lines for row in rows), f"{what}: corners as the command line prints them, {rows[0]}"
+        )
         return result
 
     def latency(self, name, steps=20):
@@ -73,8 +85,10 @@ class Page:
         self.wait("!document.querySelector('#beside').textContent.includes('nothing')", "a filter to compare with")
         self.value("globalThis.accdecLatency = {}")
         for i in range(steps):
-            self.value(f"(r => {{ r.value = Number(r.value) + {3 if i % 4 < 2 else -3}; r.dispatchEvent(new Event('input')); }})"
-                       "(document.querySelector('[id$=error_max_um-slider], [id$=feed_in_mm_min-slider]'))")
+            self.value(
+                f"(r => {{ r.value = Number(r.value) + {3 if i % 4 < 2 else -3}; r.dispatchEvent(new Event('input'));"
+                " })(document.querySelector('[id$=error_max_um-slider], [id$=feed_in_mm_min-slider]'))"
+            )
             self.settle()
             time.sleep(0.1)
         found = self.value("globalThis.accdecLatency")

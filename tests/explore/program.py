@@ -37,7 +37,9 @@ class Program:
 
     def post(self, name, value, **query):
         body = value if isinstance(value, bytes) else json.dumps(value).encode()
-        return self.ask("POST", f"{self.path}{name}?{urllib.parse.urlencode(query)}", body, {"Content-Type": "application/json"})
+        return self.ask(
+            "POST", f"{self.path}{name}?{urllib.parse.urlencode(query)}", body, {"Content-Type": "application/json"}
+        )
 
     def end(self):
         self.process.terminate()

@@ -178,6 +178,19 @@ TEST(Controllers, WrittenTasksNeedNoFile) {
   EXPECT_EQ(task_to_toml(again), task_to_toml(task));
 }
 
+TEST(Controllers, OpensNoFileWhereNoneMayBeNamed) {
+  const TemporaryFolder folder;
+  folder.write("mine.toml", own);
+  const std::string path = folder.path("task.toml");
+  for (const std::string key : {"file", "name"}) {
+    const std::string text = task_text(key + " = \"mine.toml\"");
+    EXPECT_TRUE(parse_task(text, path).settings);
+    EXPECT_THAT([&] { parse_task(text, path, {.controller_files = false}); },
+                ::testing::ThrowsMessage<InputError>(StartsWith(path + ":5:8: `" + key + "` names a file")));
+  }
+  EXPECT_TRUE(parse_task(task_text("name = \"sinumerik-840d\""), path, {.controller_files = false}).settings);
+}
+
 TEST(Controllers, AnUnknownOneGetsTheListAndASuggestion) {
   const std::string message = refusal(task_text("name = \"sinumerik-840\""));
   EXPECT_THAT(message,

@@ -215,6 +215,10 @@ TEST(ResultJson, MalformedResultsSayWhereAndWhat) {
   EXPECT_THAT(after([](Json& j) { j["task"]["corner"][0]["eror_max_um"] = 200; }),
               HasSubstr("did you mean `error_max_um`?"));
   EXPECT_THAT(after([](Json& j) { j["task"]["title"] = nullptr; }), HasSubstr("task.title: must not be null"));
+  EXPECT_THAT(after([](Json& j) {
+                j["task"]["controller"] = {{"file", "mine.toml"}};
+              }),
+              HasSubstr("task.controller.file: `file` names a file, and none is opened here"));
 }
 
 TEST(ResultJson, SaysSeveralErrorsAtOnce) {

@@ -41,27 +41,9 @@ Answer problem(int status, std::string_view what) {
   return {status, "application/json", dumped({{"error", what}})};
 }
 
-/// Whoever may ask for designs must not have the program open files: a page sends the controller itself.
-void refuse_files(std::string_view body) {
-  std::vector<std::string> within;  // the keys of the objects around a value
-  std::string key;
-  bool found = false;
-  const auto look = [&](int, Json::parse_event_t event, const Json& value) {
-    if (event == Json::parse_event_t::object_start) within.push_back(key);
-    if (event == Json::parse_event_t::object_end && !within.empty()) within.pop_back();
-    if (event == Json::parse_event_t::key) key = value.get<std::string>();
-    if (event == Json::parse_event_t::value && value.is_string() && !within.empty() && within.back() == "controller")
-      found = found || key == "file" || (key == "name" && value.get<std::string>().ends_with(".toml"));
-    return true;
-  };
-  [[maybe_unused]] const Json whole = Json::parse(body, look, false);  // what is no JSON is refused where it is read
-  if (found)
-    throw std::invalid_argument("[controller] of a page names no file: `name` is that of a built-in controller");
-}
-
 Task task_of(const Question& question) {
-  refuse_files(question.body);
-  Task task = parse_task_json(question.body, "task", {.response = Considered::common});
+  // Whoever may ask for designs must not have the program open files: a page sends the controller itself.
+  Task task = parse_task_json(question.body, "task", {.response = Considered::common, .controller_files = false});
   require_small(task.corners.size());
   return task;
 }
@@ -161,7 +143,6 @@ Answer export_file(const Question& question) {
   const char* const type = binary ? "application/octet-stream" : "text/plain; charset=utf-8";
   if (question.format == "result")
     return {200, type, result_to_json(design_task(task_of(question), options_of(question)))};
-  refuse_files(question.body);
   return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
 }
 

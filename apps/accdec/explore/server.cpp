@@ -106,7 +106,8 @@ class PageServer : public httplib::Server {
     set_default_headers({{"Cache-Control", "no-store"},
                          {"Content-Security-Policy",
                           "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-                          "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+                          "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; "
+                          "frame-ancestors 'self'"},
                          {"Cross-Origin-Resource-Policy", "same-origin"},
                          {"Referrer-Policy", "no-referrer"},
                          {"X-Content-Type-Options", "nosniff"}});

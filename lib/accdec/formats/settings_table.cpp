@@ -160,7 +160,8 @@ void read_families(const Table& table, double period, ControllerSettings& settin
 }
 
 /// The settings of the controller that the table names; none without a name.
-std::optional<ControllerSettings> named_controller(const Table& table, double period) {
+/// @param files  whether it may name a file
+std::optional<ControllerSettings> named_controller(const Table& table, double period, bool files) {
   if (!table.has("name") && !table.has("file")) return std::nullopt;
   if (table.has("name") && table.has("file"))
     table.fail_at("file", "`name` and `file` are both given; allowed is either");
@@ -168,6 +169,10 @@ std::optional<ControllerSettings> named_controller(const Table& table, double pe
   std::string name = *table.text(key);
   if (key == "file" && !name.ends_with(".toml"))
     table.fail_at(key, "`file` must end in .toml; `name` names a built-in controller");
+  if (!files && name.ends_with(".toml"))
+    table.fail_at(key, fmt::format("`{}` names a file, and none is opened here; allowed is a built-in controller's "
+                                   "`name`",
+                                   key));
   // A file lies beside the task that names it.
   if (name.ends_with(".toml")) name = (std::filesystem::path(table.file()).parent_path() / name).string();
   if (name.ends_with(".toml") && !std::filesystem::exists(name))
@@ -244,8 +249,8 @@ bool any_delay(const std::vector<DelayKind>& kinds) {
 }
 
 std::optional<ControllerSettings> read_settings(const std::optional<Table>& design,
-                                                const std::optional<Table>& controller, double period) {
-  const auto named = controller ? named_controller(*controller, period) : std::nullopt;
+                                                const std::optional<Table>& controller, double period, bool files) {
+  const auto named = controller ? named_controller(*controller, period, files) : std::nullopt;
   const bool family = design && design->has("family"), times = named && named->names_family();
   if (design && !family && !times) {
     for (const Key& key : setting_keys()) {

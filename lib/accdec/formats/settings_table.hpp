@@ -38,9 +38,11 @@ std::vector<Key> controller_keys();
 
 /// The settings that both tables ask for; none if neither names any.
 /// @param period  s
+/// @param files   whether [controller] may name a file
 /// @throws InputError at the key
 std::optional<ControllerSettings> read_settings(const std::optional<toml_input::Table>& design,
-                                                const std::optional<toml_input::Table>& controller, double period);
+                                                const std::optional<toml_input::Table>& controller, double period,
+                                                bool files);
 
 /// Adds the keys of a task's [design] to its JSON, in the order of the keys, and makes the JSON of [controller], empty
 /// without any.

@@ -265,7 +265,8 @@ class TaskReader {
     read_table("design", [&](const Table& table) { task_.design = read_design(table); });
     faults_.attempt("/design", [&] {
       if (!faults_.none_below("/controller")) return;
-      task_.settings = read_settings(top_.table("design"), top_.table("controller"), task_.sample_period);
+      task_.settings =
+          read_settings(top_.table("design"), top_.table("controller"), task_.sample_period, options_.controller_files);
     });
     read_table("design", [&](const Table& table) { check_coefficients(table); });
     read_table("controller",

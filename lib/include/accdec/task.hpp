@@ -210,6 +210,8 @@ struct TaskOptions {
   /// friction and a shared supply. Keys that give another are refused where they stand, so that none is ignored
   /// silently.
   Considered response = Considered::none;
+  /// Whether [controller] may name a file, which is then opened; not where the text comes from somebody else.
+  bool controller_files = true;
 };
 
 /// Reads a task file (TOML, see README). It is strict, because a misspelt limit that is silently ignored could damage a

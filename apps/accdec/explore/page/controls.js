@@ -4,8 +4,8 @@ import { field } from "./fields.js";
 import { markUnread } from "./slider.js";
 import { alongWith, barredBy, firstTable, firstValue, neededBy, otherWay, shares, shortName } from "./keys.js";
 
-// On a phone all groups are folded at first, as the answer stands below them.
-const narrow = globalThis.matchMedia?.("(max-width: 760px)").matches ?? false;
+// In a narrow window all groups are folded at first, as the answer stands below them.
+const narrow = globalThis.matchMedia?.("(max-width: 1000px)").matches ?? false;
 
 export class Controls {
   /** refusals(tasks): a promise of why each cannot be designed, or null. */

@@ -46,7 +46,7 @@ export function table(head, rows, attributes = {}) {
   const cards = head.filter(Boolean).length > most_columns;
   const kind = (content) => {
     if (typeof content !== "string") return undefined;
-    return /^[\u2212+]?[\d.]+( %)?$/.test(content) ? "n" : content.length > longest_line ? "long" : undefined;
+    return /^([\u2212+]?[\d.]+( %)?|\u2013)$/.test(content) ? "n" : content.length > longest_line ? "long" : undefined;
   };
   const cell = (tag, content, i) =>
     make(

@@ -7,6 +7,7 @@ import { $, filterOfToday, objective } from "./format.js";
 import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
 import { Latest, askJson, begin, stayAlive } from "./requests.js";
+import { pageText } from "./save.js";
 import { State } from "./state.js";
 import { summary } from "./summary.js";
 import { brief, cornerButtons, cornerTable, familyTable, tapTable, todayText } from "./tables.js";
@@ -21,6 +22,7 @@ const found = (answer) => (answer?.result.filter ? answer : null);
 
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
+shared.pageText = () => pageText(shared);
 const state = (shared.state = new State(start.task, changed, chosen));
 const beside = new Beside(() => draw(settled()));
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);

@@ -1,4 +1,5 @@
 // The page of a program: its path by speed, everything over time, where time is lost, one plan against the other.
+import { cornerText, openCorner } from "./corner.js";
 import { $, four, instant, make, table } from "./format.js";
 import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
@@ -35,9 +36,15 @@ const addressOf = (corner) => `index.html${taskAddress({ ...program.base, corner
 const scene = new Scene($("#path canvas"), showMark, (place) => {
   const at = (i) => scene.at(program.corners[i].at_mm);
   const i = scene.nearest(program.corners.length, at, place, 15);
-  if (i >= 0) open(addressOf(program.corners[i]), "_blank");
+  if (i >= 0) choose(i);
 }, (view) => state.set({ view }));
 const state = new Shown(show);
+
+/** Opens a corner above the path. */
+function choose(i) {
+  state.set({ corner: String(i) });
+  $("#corner").scrollIntoView();
+}
 
 function tell(i) {
   shown.mark = scene.mark = i;
@@ -152,8 +159,16 @@ function tables() {
 
 function cornerList() {
   const sharp = [...program.corners].sort((a, b) => a.angle_deg - b.angle_deg).slice(0, 20);
+  const link = (c) => {
+    const onclick = (event) => {
+      if (event.ctrlKey || event.metaKey || event.shiftKey) return; // in a window of its own
+      event.preventDefault();
+      choose(program.corners.indexOf(c));
+    };
+    return make("a", { href: addressOf(c), target: "_blank", onclick }, `line ${c.line}`);
+  };
   const rows = sharp.map((c) => [
-    make("a", { href: addressOf(c), target: "_blank" }, `line ${c.line}`),
+    link(c),
     c.at_mm.map(four).join(", "),
     four(c.angle_deg),
     `${four(c.corner.feed_in_mm_min)}, ${four(c.corner.feed_out_mm_min)}`,
@@ -204,6 +219,10 @@ function show(now, before) {
   if (other) drawTime(), tables();
   else if (now.time !== before.time) zoomTo(charts, now.time);
   if (scene.view !== now.view) scene.view = now.view;
+  if (now.corner !== (before?.corner ?? "")) {
+    const corner = now.corner && program.corners[Number(now.corner)];
+    openCorner(corner ? `The corner of line ${corner.line} by itself` : "", corner ? addressOf(corner) : null);
+  }
   // A button that is disabled would lose the focus of who presses it.
   $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
   $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
@@ -225,7 +244,15 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
   event.shiftKey ? state.redo() : state.undo();
 });
-const pageText = () => frozen((copy) => copy.querySelectorAll("#corner-list a").forEach((a) => a.removeAttribute("href")));
+$("#corner button").addEventListener("click", () => (state.set({ corner: "" }), $("#path canvas").focus()));
+/** This page as one file, with that of the open corner in it. */
+async function pageText() {
+  const corner = await cornerText();
+  return frozen((copy) => {
+    copy.querySelectorAll("#corner-list a").forEach((a) => a.removeAttribute("href"));
+    copy.querySelectorAll("iframe").forEach((frame) => (frame.removeAttribute("src"), (frame.srcdoc = corner ?? "")));
+  });
+}
 $("#save").addEventListener("click", async () => {
   download(new Blob([await pageText()], { type: "text/html" }), `${program.name.replace(/^.*[/]|[.][^.]*$/g, "")}.html`);
 });

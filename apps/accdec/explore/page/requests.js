@@ -75,8 +75,19 @@ export class Latest {
   }
 }
 
-/** Tells the program that the page is open, and the page when the program is gone. */
+/**
+ * Tells the program that a page is open, and the page when the program is gone. A browser has six connections to a
+ * host, for all its windows: one of them holds the connection that stays, and tells the others.
+ */
 export function stayAlive(gone) {
+  const windows = new BroadcastChannel("accdec");
+  windows.onmessage = ({ data }) => gone(data);
+  const tell = (is) => (gone(is), windows.postMessage(is));
+  navigator.locks.request("accdec", () => new Promise(() => listen(tell)));
+}
+
+/** For as long as the page is open. */
+function listen(gone) {
   const events = new EventSource("alive");
   events.onopen = () => gone(false);
   events.onerror = async () => {
@@ -87,6 +98,6 @@ export function stayAlive(gone) {
       () => false,
     );
     gone(!there);
-    setTimeout(() => stayAlive(gone), 1000);
+    setTimeout(() => listen(gone), 1000);
   };
 }

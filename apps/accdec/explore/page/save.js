@@ -101,7 +101,7 @@ export async function frozen(change = () => {}) {
     canvas.replaceWith(image);
   });
   copy
-    .querySelectorAll("script, link, #tools, .hint, .range label, #explain, button.add, button.drop, select.more, .group .tools, input[type=range]")
+    .querySelectorAll("script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, select.more, .group .tools, input[type=range]")
     .forEach((e) => e.remove());
   const wanted = [...copy.querySelectorAll("[tabindex]")];
   wanted.forEach((e) => e.removeAttribute("tabindex"));

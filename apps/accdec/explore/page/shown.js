@@ -1,7 +1,7 @@
 // The shown part of a program: plan, colour, view, time and cursor. Their history, and their copy in the address.
 import { History } from "./history.js";
 
-const names = ["plan", "by", "view", "time", "at"];
+const names = ["plan", "by", "view", "time", "corner", "at"];
 
 export class Shown {
   /** show(now, before): called with the new state and the one before, of texts by `names`; "" is what a page begins with. */

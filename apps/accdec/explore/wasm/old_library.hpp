@@ -67,6 +67,10 @@ bool any_of(Range&& range, Test test) {
   return std::any_of(begin(range), end(range), [&](const auto& item) { return invoke(test, item); });
 }
 template <class Range, class Test>
+bool all_of(Range&& range, Test test) {
+  return std::all_of(begin(range), end(range), [&](const auto& item) { return invoke(test, item); });
+}
+template <class Range, class Test>
 bool none_of(Range&& range, Test test) {
   return !any_of(range, test);
 }

@@ -1,0 +1,91 @@
+"""Controls of the page of a task: one for every key, what is offered, sliders over decades, fields without a number."""
+import json
+import subprocess
+import time
+
+from opened import check
+
+
+def every_key(page):
+    schema = json.loads(
+        subprocess.run([page.accdec, "schema", "task"], capture_output=True, text=True, check=True).stdout
+    )
+    for name in page.value("[...document.querySelectorAll('button.add')].map(b => b.textContent.slice(2))"):
+        if name != "corner":  # every table that the task has not
+            page.value(f"[...document.querySelectorAll('button.add')].find(b => b.textContent === '+ {name}').click()")
+    page.value("[...document.querySelectorAll('button')].find(b => b.textContent === 'set them apart').click()")
+    seen = set()
+    kinds = schema["properties"]["filter"]["properties"]["kind"]["enum"]
+    for kind in kinds:  # keys of one kind of filter only
+        for table in ("filter", "baseline"):
+            page.enter(f"#{table}-kind", kind, "change")
+        seen |= set(page.value("""[...document.querySelectorAll('.row')].map(r => r.dataset.key).concat(
+            [...document.querySelectorAll('select.more')].flatMap(s =>
+                [...s.options].map(o => `${s.dataset.table}.${o.value}`)))"""))
+    for name, table in schema["properties"].items():
+        keys = (table.get("items") or table).get("properties") if table.get("type") in ("object", "array") else None
+        missing = [k for k in keys or [name] if (f"{name}.{k}" if keys else name) not in seen]
+        check(not missing, f"a control for every key of {name} {missing or ''}".strip())
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
+def offers(page):
+    """A key that is offered can be added: what the task cannot have as it is stands in grey, with the reason."""
+    shown = ("[...document.querySelectorAll('select.more')].flatMap((s, n) => [...s.options].slice(1)"
+             ".map(o => [n, `${s.dataset.table}.${o.value}`, o.disabled, o.title]))")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+    page.wait(f"{shown}.some(o => o[2])", "some keys are offered in grey")
+    time.sleep(0.3)
+    for number, name, grey, why in page.value(shown):
+        if grey:
+            check(len(why) > 20, f"{name} is grey: {why[:70]}")
+            continue
+        page.value(f"(s => {{ s.value = '{name.split('.')[1]}'; s.dispatchEvent(new Event('change')); }})"
+                   f"(document.querySelectorAll('select.more')[{number}])")
+        page.settle()
+        said = page.value("document.querySelector('#trouble').textContent")
+        check(said == "" or said.startswith("No design:"), f"{name} can be added {said[:60]}")
+        if name.endswith("direction_in"):
+            corner = json.loads(page.value("document.body.dataset.task"))["corner"][0]
+            check(len(corner["direction_in"]) == len(corner["direction_out"]) == 2 and "angle_deg" not in corner,
+                  "a number for each axis")
+        page.value("document.querySelector('#reset').click()")
+        page.settle()
+
+
+def decades(page):
+    """A slider of a positive number goes over decades around its value, through round numbers, within the range."""
+    slider = "document.querySelector('#sample_period_ms-slider')"
+    first = float(page.value(f"{slider}.getAttribute('aria-valuetext')"))
+    seen = page.value("""(r => { const seen = [], now = r.value;
+        for (let i = 0; i <= r.max; ++i) {
+            r.value = i; r.dispatchEvent(new Event('input')); seen.push(Number(r.getAttribute('aria-valuetext')));
+        }
+        r.value = now; r.dispatchEvent(new Event('input')); return seen; })(""" + slider + ")")
+    low, high = 0.0001, 1000.0  # as the keys of a task say
+    check(seen == sorted(set(seen)) and low <= seen[0] <= first / 9 and first * 9 <= seen[-1] <= high,
+          f"{seen[0]} .. {seen[-1]} ms in {len(seen)} steps")
+    check({0.5, 1, 2} <= set(seen), "0.5, 1 and 2 ms are among them")
+    check(max(b / a for a, b in zip(seen, seen[1:])) < 1.03, "no step is larger than 3 %")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
+def no_number(page):
+    """A field without a number says what is allowed, and greys the answer; leaving it brings the last number back."""
+    field = "document.querySelector('#corner-0-error_max_um')"
+    shade = "getComputedStyle(document.querySelector('#badge')).backgroundColor"
+    last, proved = page.value(f"{field}.value"), page.value(shade)
+    page.value(f"(f => {{ f.focus(); f.value = ''; f.dispatchEvent(new Event('input')); }})({field})")
+    said = page.value(f"{field}.parentElement.querySelector('[role=alert]').textContent")
+    check("a number" in said and last in said, f"an empty field: {said}")
+    check(page.value(shade) != proved
+          and float(page.value("getComputedStyle(document.querySelector('#answer')).opacity")) < 1,
+          "badge and numbers are grey")
+    page.value(f"{field}.blur()")
+    check(page.value(f"{field}.value") == last and page.value(shade) == proved,
+          "the last number is back, and so is the badge")
+    said = page.value(f"{field}.parentElement.querySelector('[role=alert]').textContent")
+    check("is back" in said, said)

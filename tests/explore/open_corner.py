@@ -1,0 +1,73 @@
+"""A corner of a program's page by itself: by a click, from the list, from the address, in the saved page."""
+import json
+import time
+
+from looking import check, wait
+
+
+def click_near(browser, corner):
+    """Presses the pointer where a corner is drawn."""
+    browser.value("document.querySelector('#path canvas').scrollIntoView()")
+    place = browser.value("((r, p) => [r.left + p[0], r.top + p[1]])"
+                          "(document.querySelector('#path canvas').getBoundingClientRect(),"
+                          f" accdecProgram.scene.at({corner}.at_mm))")
+    for kind in ("mousePressed", "mouseReleased"):
+        browser.page("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], button="left", clickCount=1)
+
+
+def opens(browser, home):
+    """A click near a corner opens the explorer with that corner above the path, and a design of it."""
+    within = "document.querySelector('#corner iframe')?.contentWindow"
+    ready = f"{within}?.document.body?.classList.contains('ready')"
+    heading = "document.querySelector('#corner h2').textContent"
+    check(browser.value("document.querySelector('#corner').hidden"), "no corner is open at first")
+    click_near(browser, "accdecProgram.program.corners.at(-1)")
+    wait(browser, ready, "a click near a corner opens it")
+    foot = browser.value("document.querySelector('#corner').getBoundingClientRect().bottom")
+    path = browser.value("document.querySelector('#path').getBoundingClientRect().top")
+    check(foot <= path, f"above the path: down to {foot:.0f} px, the path is from {path:.0f} px on")
+    first = json.loads(browser.value(f"{within}.document.body.dataset.task"))
+    # Several corners may be drawn at one place.
+    near = browser.value("""(({ corners }, place) => corners.filter(c => place(c.at_mm).join() === place(corners.at(-1)
+        .at_mm).join()).map(c => c.corner))(accdecProgram.program, p => accdecProgram.scene.at(p).map(Math.round))""")
+    wanted = first["corner"][0]
+    check(len(first["corner"]) == 1 and wanted in near, f"the corner {wanted['name']} as a task, of {len(near)} there")
+    check(len(first["axis"]) >= 2, "with all axes")
+    check(browser.value(f"Number({within}.document.querySelector('#time').dataset.value)") > 0, "and its design")
+    check(wanted["name"][1:] in browser.value(heading).split(), browser.value(heading))
+    saved = browser.value("accdecProgram.pageText()")
+    check("<script" not in saved and "&lt;script" not in saved, "saved as one file, with the corner in it")
+    browser.value("document.querySelector('#corner-list a').click()")
+    wait(browser, f"{ready} && JSON.parse({within}.document.body.dataset.task).corner[0].name !== '{wanted['name']}'",
+         "another one from the list, in its place")
+    check(browser.value("document.querySelectorAll('iframe').length") == 1, "one at a time")
+    time.sleep(0.4)
+    address = browser.value("location.href")
+    for word, corner in (("undo", wanted["name"]), ("undo", None), ("redo", wanted["name"])):
+        browser.value(f"document.querySelector('#{word}').click()")
+        if corner is None:
+            check(browser.value("document.querySelector('#corner').hidden"), f"{word} closes it")
+        else:
+            wait(browser, f"{ready} && {heading}.split(' ').includes('{corner[1:]}')", f"{word}: {corner}")
+    browser.value("document.querySelector('#corner button').click()")
+    check(browser.value("document.querySelector('#corner').hidden"), "it can be closed")
+    browser.open("about:blank")
+    browser.open(address)
+    wait(browser, ready, "the address opens it")
+    for wide in (390, 1200):
+        browser.page(
+            "Emulation.setDeviceMetricsOverride", width=wide, height=800, deviceScaleFactor=1, mobile=wide < 400
+        )
+        wait(browser, f"document.documentElement.scrollWidth <= {wide}", f"fits {wide} px")
+        wait(browser, f"(d => d.scrollWidth <= d.clientWidth)({within}.document.documentElement)",
+             "so does the corner's page")
+    alone = browser.value("document.querySelector('#corner a').href")
+    (home / "corner.html").write_text(saved)
+    browser.open("about:blank")
+    browser.open(home / "corner.html")
+    wait(browser, f"Number({within}.document.querySelector('#time').dataset.value) > 0",
+         "the saved page shows its design")
+    wrong = [c for c in browser.complaints() if "data:" not in c]
+    check(not wrong, f"and asks for nothing {wrong or ''}".strip())
+    browser.open(alone)
+    wait(browser, "document.body.classList.contains('ready')", "a window of its own")
