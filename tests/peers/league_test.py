@@ -1,8 +1,11 @@
 #!/usr/bin/python3
 """The league's checker against motions in closed form, and its runs against planners that misbehave."""
+import os
 import pathlib
+import subprocess
 import sys
 import tempfile
+import time
 import types
 import unittest
 
@@ -104,6 +107,10 @@ class Planners(unittest.TestCase):
             "printf 'a,b\\n1,2\\n' > {samples}": "names none of x_mm",
             "printf 'x_mm\\n' > {samples}": "no samples",
             "printf 'x_mm,y_mm\\n1\\n' > {samples}": "",
+            "mkfifo {samples}": "no samples",
+            "mkdir {samples}": "no samples",
+            "ln -s /dev/zero {samples}": "no samples",
+            "truncate -s 300M {samples}": "more than 200000000 bytes",
         }.items():
             with self.subTest(command), self.assertRaisesRegex(ValueError, reason):
                 self.motion(command)
@@ -113,6 +120,53 @@ class Planners(unittest.TestCase):
             self.motion("sleep 100 & sleep 100", seconds=1)
         with self.assertRaisesRegex(ValueError, "exit code"):
             self.motion("yes > {samples}", bytes=100000)
+        with self.assertRaisesRegex(ValueError, "exit code"):
+            self.motion("yes >&2", bytes=100000)
+
+    def test_nothing_outlives_a_planner(self):
+        mark = "8765%d" % os.getpid()
+        began = time.monotonic()
+        with self.assertRaisesRegex(ValueError, "no samples"):  # the sleepers hold its standard error open
+            self.motion("for i in 1 2 3; do (setsid sleep %s &); done; setsid -f sleep %s; sleep 0.2" % (mark, mark))
+        self.assertLess(time.monotonic() - began, 10)
+        self.assertNotEqual(subprocess.call(["pgrep", "-f", "^sleep " + mark]), 0)
+
+    def test_reports_of_others_are_refused(self):
+        for report in ([], {"bounds": 3}, {"bounds": [{}]}, {"bounds": [{"name": "x", "time_s": "y"}]}):
+            with self.subTest(report), self.assertRaisesRegex(ValueError, "its report"):
+                league.bounds_of(report)
+
+    def test_entries_are_checked_before_anything_runs(self):
+        good = 'name = "a"\ncommand = "x"\n'
+        for text, message in {
+            "": "planner",
+            "planner = 3": "no list",
+            "planner = [3]": "1: expected a table",
+            "\xff": "planner",
+            "[[planner]]\n" + good + 'comand = "x"': "comand = 'x'; allowed are name",
+            "[[planner]]\ncommand = 'x'": "has no name",
+            "[[planner]]\n" + good + "[[planner]]\n" + good: '2: the name "a" is taken',
+            "[[planner]]\n" + good + 'jerk = "no"': '"own" or "ignored"',
+            "[[planner]]\n" + good + 'seconds = "x"': "seconds = 'x'",
+            "[[planner]]\n" + good + "jobs = 0": "at least 1",
+            "[[planner]]\n" + good + "needs = [1]": "needs has 1",
+            "[[planner]]\n" + good + 'needs = ["{program}"]': "{program} stands for nothing; allowed are {accdec}",
+            "[[planner]]\nname = 'a'\ncommand = 'x {unknown}'": "{unknown} stands for nothing; allowed are {acc",
+            "[[planner]]\nname = 'a'\ncommand = 'x {0}'": "{0} stands for nothing",
+            "[[planner]]\nname = 'a'\ncommand = 'x {jerk.real}'": "stands for nothing",
+            "[[planner]]\nname = 'a'\ncommand = 'x {jerk:>9}'": "stands for nothing",
+            "[[planner]]\nname = 'a'\ncommand = 'x {jerk'": "1 command: expected '}'",
+            "[[planner]]\nname = 'a'\ncommand = 'x }'": "1 command: Single '}'",
+        }.items():
+            with self.subTest(text), tempfile.TemporaryDirectory() as folder:
+                file = pathlib.Path(folder) / "mine.toml"
+                file.write_text(text, encoding="latin-1")
+                with self.assertRaises(SystemExit) as ended:
+                    league.entries(types.SimpleNamespace(league=file))
+                self.assertIn("mine.toml: ", str(ended.exception))
+                self.assertIn(message, str(ended.exception))
+        everything = league.entries(types.SimpleNamespace(league=None))
+        self.assertEqual(everything[0]["name"], "LinuxCNC 2.9")
 
 
 class Rows(unittest.TestCase):
