@@ -274,6 +274,24 @@ int main(void) {{
         self.assertLessEqual(0.1 * abs(steps).max() / 1e-6, 500 * (1 + 1e-9))
         run(accdec, "--quiet", "verify", "whole.json")
 
+    def test_free_taps_at_their_limits_have_a_fixed_point_form(self):
+        for name, format, bits in [("acceleration-jerk", "q31", 31), ("exact-stop", "q31", 31), ("exact-stop", "q15", 15)]:
+            text = (problems / "corner" / f"{name}.toml").read_text()
+            free = made(text, "tight.toml", "tight.json")
+            self.assertIn(b"Designed again by this export", export(format, "tight.json"))
+            whole, delay = self.whole_taps(format, bits, "tight.json")
+            self.assertEqual(len(whole), len(free["filter"]["taps"]))
+            self.assertEqual(delay, free["corners"][0]["delay_samples"])
+            # These taps and the delay as any given filter's.
+            given = f"[filter]\nkind = 'taps'\ntaps = {[w / 2**bits for w in whole]}\n[[axis]]"
+            (folder / "given.toml").write_text(text.replace("[[axis]]", given, 1) + f"\ndelay_samples = {delay}\n")
+            run(accdec, "--quiet", "evaluate", "given.toml")
+
+    def test_a_refused_fixed_point_form_names_the_key(self):
+        made((problems / "corner" / "acceleration-jerk.toml").read_text(), "tight.toml", "tight.json")
+        told = run(accdec, "export", "tight.json", "--format", "q15", code=2).stderr
+        self.assertIn(b"write `coefficient_bits = 15` below [design] in the task", told)
+
     def test_program(self):
         program = problems / "program"
         run(accdec, "--quiet", "program", program / "legs.ngc", "--task", program / "legs.toml", "--json", "part.json")

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <accdec/certificate.hpp>
 #include <accdec/design.hpp>
@@ -260,6 +261,14 @@ TEST(Settings, SurviveFiles) {
   const DesignResult again = parse_result(text, "result");
   EXPECT_EQ(result_to_json(again), text);
   EXPECT_THAT(verify_result(again).reasons, IsEmpty());
+  // The sentence for people is in the file, and is that of its numbers.
+  const auto json = nlohmann::ordered_json::parse(text);
+  EXPECT_EQ(json["settings"]["answer"].get<std::string>() + "\n", settings_answer(result));
+  auto forged = json;
+  forged["settings"]["answer"] = "Set these: averages of 1 ms.";
+  EXPECT_THROW(parse_result(forged.dump(), "result"), InputError);
+  forged["settings"].erase("answer");
+  EXPECT_THAT(verify_result(parse_result(forged.dump(), "result")).reasons, IsEmpty()) << "older results have none";
   // The proof about free taps inside names what it is, as the one around it does.
   for (const std::string name : {"\"branch and bound\"", "\"accdec.certificate/1\""}) {
     std::string bad = text;

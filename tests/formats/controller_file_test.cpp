@@ -141,6 +141,27 @@ TEST(Controllers, AFileOfOnesOwnLiesBesideTheTask) {
   EXPECT_THROW(read_task(missing), InputError);
 }
 
+/// A control that looks at measured positions needs to know how they lag; an exact stop looks at none.
+TEST(Controllers, AFileThatMeasuresNeedsAServo) {
+  const TemporaryFolder folder;
+  std::string text = own;
+  text.replace(text.find("\"in-position\""), 13, "[\"in-position\", \"exact-stop\"]\nin_position_of = \"actual\"");
+  folder.write("mine.toml", text);
+  const auto read = [&](const std::string& more) {
+    const std::string path = folder.write("task.toml", task_text("file = \"mine.toml\"\n" + more));
+    return read_task(path, {.response = Considered::any});
+  };
+  EXPECT_TRUE(read("[[axis]]\nservo_gain_1_s = 100").settings->in_position_actual);
+  EXPECT_FALSE(read("in_position_of = \"command\"").settings->in_position_actual);
+  EXPECT_NO_THROW(read("delays = \"exact-stop\""));
+  try {
+    read("");
+    ADD_FAILURE() << "an unknown lag";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("task.toml:5:8: `in_position_of` = \"actual\", but no axis says how"));
+  }
+}
+
 TEST(Controllers, AFileSaysThatTheControlInterpolates) {
   const TemporaryFolder folder;
   std::string text = own;

@@ -107,6 +107,11 @@ inline std::vector<Case> settings_cases() {
        end("[design]\nfamily = \"averages\"\n[controller]\ndelays = \"exact-stop\""),
        "18:17",
        {"`delay_samples` contradicts [controller] delays"}},
+      {"in_position_of_no_servo",
+       end("[design]\nfamily = \"averages\"\n[controller]\ndelays = [\"in-position\", \"dwell\"]\n"
+           "in_position_of = \"actual\""),
+       "23:18",
+       {"no axis says how its measured position lags", "servo_gain_1_s or response_taps"}},
   };
 }
 

@@ -49,6 +49,17 @@ void require_common(const Table& table, const Axis& axis, const Axis& first) {
   }
 }
 
+/// Behind no servo, the measured position would be the commanded one: its width then holds on no machine.
+void require_measured(const Table& controller, const Task& task) {
+  if (!task.settings || !task.settings->in_position_actual || !task.settings->names(DelayKind::in_position)) return;
+  if (has_servo(task.machine)) return;
+  std::string key = "in_position_of";
+  if (!controller.has(key)) key = controller.has("name") ? "name" : "file";
+  controller.fail_at(key,
+                     "`in_position_of` = \"actual\", but no axis says how its measured position lags; give "
+                     "servo_gain_1_s or response_taps in [[axis]], or in_position_of = \"command\" here");
+}
+
 }  // namespace
 
 std::vector<Key> servo_keys() {
@@ -110,6 +121,7 @@ void check_response(const Table& top, const Task& task, Considered considered, b
     if (beside < Considered::common && task.settings && task.settings->in_position_latency > 0.0)
       controller->fail_at(controller->has("name") ? "name" : "file",
                           "its `in_position_latency_ms` is not considered here; add `in_position_latency_ms = 0`");
+    require_measured(*controller, task);
   }
   if (const auto machine = top.table("machine")) {
     for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, beside);

@@ -181,7 +181,7 @@ std::string result_to_json(const DesignResult& result) {
                    {"gap", number(result.gap)}};
   Json settings;
   if (result.settings) {
-    settings["settings"] = settings_to_json(*result.settings);
+    settings["settings"] = settings_to_json(result);
     settings["family_bound_s"] = number(result.family_bound);
     settings["free_taps_s"] = number(result.free_taps);
   }

@@ -7,6 +7,7 @@
 #include <accdec/formats/settings_json.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
@@ -20,6 +21,12 @@ Key name_key(std::string name, KeyType type, std::string meaning, const Names& n
   Key key{.name = std::move(name), .type = type, .meaning = std::move(meaning), .required = true};
   for (const auto& one : names) key.words.emplace_back(one.name);
   return key;
+}
+
+std::string answer_of(const DesignResult& result) {
+  std::string line = settings_answer(result);
+  if (!line.empty()) line.pop_back();  // its end of line
+  return line;
 }
 
 }  // namespace
@@ -48,7 +55,12 @@ std::vector<Key> chosen_settings_keys() {
     return Key{
         .name = std::move(name), .meaning = std::move(meaning), .unit = "m", .range = {0.0, 1e9}, .nullable = nullable};
   };
-  return {name_key("family", KeyType::word, "one of the task's families", setting_families),
+  Key answer{.name = "answer",
+             .type = KeyType::text,
+             .meaning = "what to set in sentences, as `accdec design` prints it first",
+             .empty_text = true};
+  return {answer,
+          name_key("family", KeyType::word, "one of the task's families", setting_families),
           filter,
           values,
           delays,
@@ -57,8 +69,11 @@ std::vector<Key> chosen_settings_keys() {
           width("width_high_m", "every width below it gives the same delays; null: there is no upper end", true)};
 }
 
-nlohmann::ordered_json settings_to_json(const ChosenSettings& settings) {
-  Json json{{"family", to_string(settings.family)}, {"filter", filter_to_json(settings.filter)}};
+nlohmann::ordered_json settings_to_json(const DesignResult& result) {
+  const ChosenSettings& settings = *result.settings;
+  Json json{{"answer", answer_of(result)},
+            {"family", to_string(settings.family)},
+            {"filter", filter_to_json(settings.filter)}};
   json["values"] = Json::array();
   for (const Setting& setting : settings.values)
     json["values"].push_back({{"name", setting.name}, {"value", setting.value}, {"unit", setting.unit}});
@@ -90,6 +105,12 @@ ChosenSettings settings_from_json(const Json& json, const toml::table& filter, c
     throw InputError("", 0, 0, fmt::format("must be the middle of its interval, {:.9g}", settings.width->middle()),
                      "/settings/width_m");
   return settings;
+}
+
+void check_answer(const Json& json, const DesignResult& result) {
+  const auto told = json.find("answer");
+  if (told != json.end() && *told != answer_of(result))  // older results have none
+    throw InputError("", 0, 0, "is not what the other members say", "/settings/answer");
 }
 
 }  // namespace accdec

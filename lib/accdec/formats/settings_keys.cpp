@@ -44,7 +44,7 @@ std::vector<Key> about_delays() {
       {.name = "in_position_of",
        .type = KeyType::word,
        .meaning = "with \"in-position\": the position that it looks at: commanded, behind any `prefilter_taps`, or "
-                  "behind the servo",
+                  "behind the servo that [[axis]] gives",
        .words = {"command", "actual"},
        .fallback = "command",
        .example = "\"actual\""},
