@@ -69,7 +69,7 @@ TEST(FreeMotion, OfOneCornerIsTheOptimumOfALinearProgramme) {
   }
 }
 
-TEST(FreeMotion, OfRandomProgramsHoldsAndIsNotSlowerThanProfiles) {
+TEST(FreeMotion, OfRandomProgramsHoldsAndIsNotSlowerThanOtherPlans) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < test_support::tries(8); ++i) {
@@ -92,8 +92,8 @@ TEST(FreeMotion, OfRandomProgramsHoldsAndIsNotSlowerThanProfiles) {
     const ProgramResult result = free_plan(program + "M2\n", task);
     expect_holds(result, task);
     EXPECT_STREQ(result.plan.name(), "free") << result.message << program;
-    ASSERT_EQ(result.candidates.size(), 1U) << program;
-    EXPECT_LE(result.cycle_time, result.candidates[0].time) << program;
+    ASSERT_FALSE(result.candidates.empty()) << program;
+    for (const PlanTime& other : result.candidates) EXPECT_LE(result.cycle_time, other.time) << other.plan << program;
   }
 }
 
@@ -111,8 +111,8 @@ TEST(FreeMotion, HoldsWheneverItEnds) {
     const ProgramResult result = free_plan(zigzag, task, free);
     expect_holds(result, task);
     EXPECT_GE(result.cycle_time, whole);
-    ASSERT_EQ(result.candidates.size(), 1U);
-    EXPECT_LE(result.cycle_time, result.candidates[0].time);
+    ASSERT_FALSE(result.candidates.empty());
+    for (const PlanTime& other : result.candidates) EXPECT_LE(result.cycle_time, other.time) << other.plan;
   }
   for (const double seconds : {1e-3, 0.05}) {
     ProgramFileOptions options;

@@ -80,4 +80,16 @@ TEST_F(ProgramCommand, ArcsThatGoOnAlongTheirCircleDoNotStopUnderG61) {
   EXPECT_GT(seconds("G61\nG2 I10\nG2 I11\n", "--plan profiles"), one) << "another circle";
 }
 
+// The plan at kept feeds by another filter takes as long as the result, which has kept feeds, too.
+TEST_F(ProgramCommand, TimesOfExactStopsAreThoseOfTheFilterOfTheResult) {
+  write("quick.toml",
+        "sample_period_ms = 2\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 20000\n"
+        "jerk_max_mm_s3 = 2000000\n");
+  write("part.ngc",
+        "G21 G90 G64 P0.3 F600\nG1 X1.4163 Y0.9121\nG1 X1.3866 Y0.8986\nG2 X1.2646 Y0.6211 R1.0840\nG64 P0.1\n"
+        "G1 Z2\nG1 X1.2397 Y0.4654\nM2\n");
+  ASSERT_EQ(run("program part.ngc --task quick.toml --json r.json").code, 0) << read("err");
+  EXPECT_THAT(run("verify r.json").out, StartsWith("accepted: "));
+}
+
 }  // namespace

@@ -57,8 +57,8 @@ struct SlowedFeeds {
   std::uint32_t line = 0;  ///< line of that block
 };
 
-/// A plan when the operator overrides the feed. The control commands every feed move at `factor` times its feed.
-/// Filter, delays (in samples), dwells and rapid moves stay.
+/// A plan when the operator overrides the feed: every F of the emitted program counts so many times. Filter, delays (in
+/// samples), dwells and G0 stay.
 struct FeedOverride {
   double factor = 1.0;             ///< on the feeds
   double worst_error = 0.0;        ///< m, over joints that have a tolerance

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <accdec/files.hpp>
@@ -28,6 +29,10 @@ struct FreeReport {
 
 /// A motion of profiles as samples, with the passes of its joints.
 FreeSamples sampled(const Toolpath& path, const Trajectory& trajectory, double sample_period);
+
+/// As above, of a plan of one filter. None if its path is not that one with steps of feed, as where arcs were read
+/// again.
+std::optional<FreeSamples> sampled(const Toolpath& path, const Plan& fixed, double sample_period);
 
 /// Shortens a motion that holds all limits by convex programmes over windows of its samples, see window.hpp. Each part
 /// of it is shortened by itself; every state is a motion from rest to rest.

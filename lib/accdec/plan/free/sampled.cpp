@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include <accdec/plan/free/free_motion.hpp>
+#include <accdec/simulate/command_stream.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_check.hpp>
 
@@ -17,6 +19,65 @@ double nearest(const double* a, const double* b, const double* point, std::size_
     length2 += (b[i] - a[i]) * (b[i] - a[i]);
   }
   return std::clamp(length2 > 0.0 ? along / length2 : 0.0, low, 1.0);
+}
+
+/// The place of a motion that is nearest to a point, not before `least`: a sample with a fraction.
+class NearestPlace {
+ public:
+  NearestPlace(const FreeSamples& motion, const double* point, std::size_t n, double least)
+      : motion_(motion), point_(point), n_(n), least_(least), at_(least) {}
+
+  /// The step that ends in sample k.
+  void offer(std::size_t k) {
+    const double* const a = motion_.position.data() + (k - 1) * n_;
+    const double t = nearest(a, a + n_, point_, n_, std::max(0.0, least_ - static_cast<double>(k - 1)));
+    double distance2 = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double d = a[i] + t * (a[n_ + i] - a[i]) - point_[i];
+      distance2 += d * d;
+    }
+    if (distance2 >= best_) return;
+    best_ = distance2;
+    at_ = static_cast<double>(k - 1) + t;
+  }
+  double at() const { return at_; }
+
+ private:
+  const FreeSamples& motion_;
+  const double* point_;
+  std::size_t n_;
+  double least_, at_, best_ = unlimited;
+};
+
+/// The samples between which a filtered command may be at a joint.
+struct Stay {
+  std::size_t first = 0, last = 0;
+};
+
+/// Takes the joints of a stream of commands.
+struct JointTimes {
+  std::int64_t begin = 0, order = 0;
+  std::vector<Stay> stays{};
+  template <class Row>
+  void command(const Row& /*u0*/, const Row& /*u*/, std::int64_t /*count*/, const Row& /*end*/) {}
+  void joint(std::size_t /*block*/, double time, std::int64_t rest) {
+    const std::int64_t reached = begin + static_cast<std::int64_t>(time);
+    stays.push_back({static_cast<std::size_t>(reached), static_cast<std::size_t>(reached + rest + order + 2)});
+  }
+};
+
+/// Those at the ends of the path's own blocks: steps of the feed split them, and their ends are copied. None if the
+/// commands are those of another reading of the program.
+std::optional<std::vector<Stay>> own_stays(const Toolpath& path, const Toolpath& commanded,
+                                           const std::vector<Stay>& stays) {
+  const std::size_t n = path.dimensions();
+  std::vector<Stay> own;
+  for (std::size_t b = 0; b < stays.size() && own.size() + 1 < path.blocks(); ++b) {
+    const double* const end = path.point(own.size() + 1);
+    if (std::equal(end, end + n, commanded.point(b + 1))) own.push_back(stays[b]);
+  }
+  if (own.size() + 1 != path.blocks()) return {};
+  return own;
 }
 
 }  // namespace
@@ -37,22 +98,36 @@ FreeSamples sampled(const Toolpath& path, const Trajectory& trajectory, double s
   double least = 0.0;
   for (std::size_t j = 0; j + 1 < path.blocks(); ++j) {
     const auto place = static_cast<std::int64_t>(j);
-    double best = unlimited, at = least;
+    NearestPlace pass(motion, path.point(j + 1), n, least);
     for (auto k = static_cast<std::size_t>(least) + 1;
          k < count && (std::min(first[k - 1], first[k]) + 1) / 2 <= place + 1; ++k) {
-      if (last[k] / 2 < place) continue;
-      const double* const a = motion.position.data() + (k - 1) * n;
-      const double t = nearest(a, a + n, path.point(j + 1), n, std::max(0.0, least - static_cast<double>(k - 1)));
-      double distance2 = 0.0;
-      for (std::size_t i = 0; i < n; ++i) {
-        const double d = a[i] + t * (a[n + i] - a[i]) - path.point(j + 1)[i];
-        distance2 += d * d;
-      }
-      if (distance2 >= best) continue;
-      best = distance2;
-      at = static_cast<double>(k - 1) + t;
+      if (last[k] / 2 >= place) pass.offer(k);
     }
-    motion.passes.push_back(least = at);
+    motion.passes.push_back(least = pass.at());
+  }
+  return motion;
+}
+
+std::optional<FreeSamples> sampled(const Toolpath& path, const Plan& fixed, double sample_period) {
+  const FilteredCommand& command = *fixed.command();
+  const CommandTiming timing(fixed.path, sample_period, command.delays);
+  JointTimes times{timing.dwell_samples(fixed.path.dwell_first), command.filter.order()};
+  emit_commands(timing, 0, fixed.path.blocks() - 1, times);
+  const auto stays = own_stays(path, fixed.path, times.stays);
+  if (!stays) return {};
+  FreeSamples motion;
+  const auto n = static_cast<std::ptrdiff_t>(path.dimensions());
+  Motion filtered(fixed, sample_period);
+  for (Sample sample; filtered.next(sample);)
+    motion.position.insert(motion.position.end(), sample.position.begin(), sample.position.begin() + n);
+  const std::size_t last = motion.count(path.dimensions()) - 1;
+  double least = 0.0;
+  for (std::size_t j = 0; j < stays->size(); ++j) {
+    NearestPlace pass(motion, path.point(j + 1), path.dimensions(), least);
+    const Stay& stay = (*stays)[j];
+    for (std::size_t k = std::max(stay.first, static_cast<std::size_t>(least)) + 1; k <= std::min(stay.last, last); ++k)
+      pass.offer(k);
+    motion.passes.push_back(least = pass.at());
   }
   return motion;
 }

@@ -11,7 +11,6 @@
 #include <accdec/plan/result/emitted_lines.hpp>
 #include <accdec/plan/result/timed_moves.hpp>
 #include <accdec/program.hpp>
-#include <accdec/task/blend_limits.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -44,6 +43,7 @@ class Emission {
       : result_(result),
         path_(result.plan.path),
         filter_(result.plan.filter()),
+        machine_(program_machine(result.task_machine, path_)),
         n_(path_.dimensions()),
         lines_(out),
         timed_(timed_axis),
@@ -52,18 +52,16 @@ class Emission {
 
   void write() {
     if (timed_.used()) timed_.require(result_);
-    const Machine machine = program_machine(result_.task_machine, path_);
-    const BlendLimits limits(filter_, machine, result_.sample_period);
     // Read back, they are feed moves, and the remark stays.
     bool slowed_rapids = std::any_of(path_.passed.begin(), path_.passed.end(),
                                      [](const auto& passed) { return passed.words.starts_with(slowed_remark); });
     for (std::size_t b = 0; b < path_.blocks(); ++b)
-      slowed_rapids = slowed_rapids || (path_.rapid[b] != 0 && !rapid(b, limits));
+      slowed_rapids = slowed_rapids || (path_.rapid[b] != 0 && !stands_as_rapid(path_, b, machine_));
     header(slowed_rapids);
     for (std::size_t b = 0; b < path_.blocks(); ++b) {
       passed(b);
       path_mode(b);
-      block(b, limits);
+      block(b);
       rest(b);
       lines_.pass_on();
     }
@@ -232,27 +230,10 @@ class Emission {
     line("{}", mode_);
   }
 
-  /// A rapid move stays rapid unless it was slowed below what the axes and the filter allow.
-  bool rapid(std::size_t b, const BlendLimits& limits) const {
-    if (path_.rapid[b] == 0) return false;
-    const Machine& machine = result_.task_machine;
-    const double* p = path_.point(b);
-    double duration = 0.0;
-    for (std::size_t a = 0; a < n_; ++a) {
-      const Axis* axis = find_axis(machine, path_.axes[a]);
-      if (axis != nullptr) duration = std::max(duration, std::abs(p[n_ + a] - p[a]) / axis->velocity_max);
-    }
-    if (!(duration > 0.0)) return false;
-    std::vector<double> velocity(n_);
-    for (std::size_t a = 0; a < n_; ++a) velocity[a] = (p[n_ + a] - p[a]) / duration;
-    if (result_.feeds_chosen) return path_.duration[b] <= duration * (1.0 + 1e-9);
-    return path_.duration[b] <= duration / limits.start_factor(velocity.data()) * (1.0 + 1e-6);
-  }
-
-  void block(std::size_t b, const BlendLimits& limits) {
+  void block(std::size_t b) {
     const std::string to = words(path_.point(b + 1));
     if (to.empty()) return;  // shorter than what is written
-    if (rapid(b, limits)) {
+    if (stands_as_rapid(path_, b, machine_)) {
       lines_.command("{}G0{}", kind_of(result_, b) == DelayKind::in_position ? "G9 " : "", to);
       return;
     }
@@ -304,6 +285,7 @@ class Emission {
   const ProgramResult& result_;
   const Toolpath& path_;
   const Filter& filter_;
+  const Machine machine_;  // one axis a dimension
   std::size_t n_;
   EmittedLines lines_;
   TimedMoves timed_;
@@ -314,6 +296,15 @@ class Emission {
 };
 
 }  // namespace
+
+bool stands_as_rapid(const Toolpath& path, std::size_t block, const Machine& machine) {
+  if (path.rapid[block] == 0) return false;
+  const double *from = path.point(block), *to = path.point(block + 1);
+  double fastest = 0.0;
+  for (std::size_t a = 0; a < machine.axes.size(); ++a)
+    fastest = std::max(fastest, std::abs(to[a] - from[a]) / machine.axes[a].velocity_max);
+  return fastest > 0.0 && path.duration[block] <= fastest * (1.0 + 1e-9);
+}
 
 void emit_program(const ProgramResult& result, std::ostream& out) {
   Emission(result, 0, out).write();

@@ -14,4 +14,9 @@ namespace accdec {
 /// @throws std::invalid_argument  if the program moves the axis or dwells, or a delay is 2 samples
 void emit_for_linuxcnc(const ProgramResult& result, char axis, std::ostream& out);
 
+/// Whether a block stands as G0 in the emitted program: a rapid move that the plan runs as fast as its axes can. A
+/// slower one stands as G1 with its feed, which a feed override scales.
+/// @param machine  one axis a dimension of the path, or none
+bool stands_as_rapid(const Toolpath& path, std::size_t block, const Machine& machine);
+
 }  // namespace accdec

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/feed_override.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/verify.hpp>
@@ -12,7 +13,7 @@ namespace {
 
 FeedOverride overridden(Toolpath path, double factor, const Filter& filter, double sample_period,
                         const Machine& machine, const std::vector<int>& delays) {
-  for (std::size_t b = 0; b < path.blocks(); ++b) path.duration[b] /= path.rapid[b] == 0 ? factor : 1.0;
+  for (std::size_t b = 0; b < path.blocks(); ++b) path.duration[b] /= stands_as_rapid(path, b, machine) ? 1.0 : factor;
   std::vector<double> errors(path.blocks(), 0.0);
   SimulationOptions options;
   if (!machine.axes.empty()) options.machine = &machine;

@@ -54,17 +54,53 @@ std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadlin
   return "";
 }
 
-/// One filter for the program; if there is no other plan, even when the time is over.
+/// One filter for the program, in a part of the time; if there is no other plan, even when the time is over.
 std::optional<ProgramResult> fixed_beside(const std::string& name, ProgramFile& file, const Task& task,
                                           ProgramFileOptions options, bool only) {
   if (!only && (file.path.blocks() > several_plans_max || options.deadline.over())) return {};
-  if (options.time_limit) {
-    *options.time_limit *= 0.3;
+  if (const double left = options.deadline.left(); options.time_limit || left < unlimited) {
+    options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
     options.deadline = options.deadline.within(*options.time_limit);
   }
   ProgramResult fixed = run_program_file(name, file, task, options, {});
   if (fixed.plan.empty() || !fixed.verification.feasible) return {};
   return fixed;
+}
+
+/// The fastest of the plans as samples: profiles, along its arcs, or one filter.
+AlongPlan fastest_samples(const ProgramResult& profiles, const std::optional<ProgramResult>& fixed, const Task& task,
+                          const Deadline& deadline) {
+  const Toolpath& path = profiles.plan.path;
+  std::optional<AlongPlan> along = plan_along(profiles, task, deadline);
+  const double best = along ? along->result.cycle_time : profiles.cycle_time;
+  if (fixed && fixed->cycle_time < best) {
+    if (std::optional<FreeSamples> samples = sampled(path, fixed->plan, profiles.sample_period)) {
+      ProgramResult result = with_samples(profiles, *samples);
+      // Where many moves overlap, a filter may leave the tube around a leg.
+      const std::string broken = judge_free_motion(result, program_machine(task.machine, path));
+      if (broken.empty() && result.cycle_time < best) return {std::move(result), std::move(*samples)};
+    }
+  }
+  if (along) return std::move(*along);
+  return {profiles, sampled(path, *profiles.plan.trajectory(), profiles.sample_period)};
+}
+
+/// The beginning with its samples shortened; the beginning itself where nothing is gained.
+ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine, const FreeOptions& free,
+                        const std::function<void(const std::string&)>& tell) {
+  const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
+  const FreeReport report = shorten_motion(tube, begun.samples, free);
+  if (report.ended && tell) tell("ended early with the best motion so far");
+  ProgramResult result = with_samples(profiles, begun.samples);
+  const std::string broken = judge_free_motion(result, machine);
+  if (!broken.empty() && tell) tell("plan free was refused by the check of its samples: " + broken);
+  if (!broken.empty() || result.cycle_time > begun.result.cycle_time)
+    result = std::move(begun.result);
+  else
+    result.solver.method = "windows by interior point";
+  if (result.plan.trajectory()->is_free()) result.candidates = {{"profiles", profiles.cycle_time, true}};
+  result.solver.evaluations = report.programmes;
+  return result;
 }
 
 }  // namespace
@@ -83,10 +119,9 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline, true);
   const std::string no_motion = why_no_motion(profiles, options.deadline);
   ProgramFile copy = file;
-  // One filter may be faster than any motion that was found on arcs, or than the plan that stays what it is.
+  // One filter may be faster than profiles, and than any motion that was found.
   const bool only = profiles.plan.empty() || !profiles.verification.feasible;
-  std::optional<ProgramResult> fixed;
-  if (!file.path.arcs.empty() || !no_motion.empty()) fixed = fixed_beside(name, copy, task, options, only);
+  std::optional<ProgramResult> fixed = fixed_beside(name, copy, task, options, only);
   const auto answer = [&](ProgramResult result) {
     if (fixed && (!result.verification.feasible || fixed->cycle_time < result.cycle_time)) {
       std::swap(*fixed, result);
@@ -104,28 +139,12 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
     if (tell) tell(no_motion + ": the plan stays what it is");
     return answer(std::move(profiles));
   }
-  std::optional<AlongPlan> along = plan_along(profiles, task, options.deadline);
-  const Toolpath& path = profiles.plan.path;
-  const Machine machine = program_machine(task.machine, path);
-  const FreePath tube(path, machine, task.sample_period);
-  FreeSamples motion =
-      along ? std::move(along->samples) : sampled(path, *profiles.plan.trajectory(), task.sample_period);
   free.deadline = options.deadline;
-  const FreeReport report = shorten_motion(tube, motion, free);
-  ProgramResult result = with_samples(profiles, motion);
-  const std::string broken = judge_free_motion(result, machine);
-  const ProgramResult& begun = along ? along->result : profiles;
-  if (!broken.empty() || result.cycle_time > begun.cycle_time) {
-    if (!broken.empty() && tell) tell("plan free was refused by the check of its samples: " + broken);
-    result = begun;
-  } else {
-    result.solver.method = "windows by interior point";
-  }
-  if (result.plan.trajectory()->is_free()) result.candidates = {{"profiles", profiles.cycle_time, true}};
+  const Machine machine = program_machine(task.machine, profiles.plan.path);
+  AlongPlan begun = fastest_samples(profiles, fixed, task, options.deadline);
+  ProgramResult result = shortened(profiles, std::move(begun), machine, free, tell);
   if (options.compensate_arcs)
     result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
-  result.solver.evaluations = report.programmes;
-  if (report.ended && tell) tell("ended early with the best motion so far");
   return answer(std::move(result));
 }
 

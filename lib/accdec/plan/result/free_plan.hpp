@@ -8,10 +8,10 @@
 
 namespace accdec {
 
-/// `accdec program --plan free`: plan profiles with its arcs planned along the path (along_plan.hpp), shortened by
-/// convex programmes over its samples. Verified; where nothing is gained, or the check of all samples refuses it, the
-/// answer is the plan it began with. Programs with arcs are also planned with one filter; if that is faster, it is the
-/// answer.
+/// `accdec program --plan free`: the fastest of plan profiles, its arcs planned along the path (along_plan.hpp), and
+/// one filter, shortened by convex programmes over its samples. Verified; where nothing is gained, or the check of all
+/// samples refuses it, the answer is the plan it began with. Programs with arcs are also planned with one filter; if
+/// that is faster, it is the answer.
 /// @param file  as read; its `reading` becomes that of the answer  @param free  threads, cancel and progress; the
 /// deadline is that of `options`
 /// @param tell  one line a step, may be empty

@@ -71,11 +71,13 @@ void take_kept(const ProgramResult& from, double time, ProgramResult& result) {
 }
 
 /// As `--feeds keep` plans the program, with the filter designed for that, if it is faster than the result.
-void offer_kept(const std::string& name, ProgramFile& file, const Task& task, const ProgramFileOptions& options,
-                ProgramResult& result) {
+/// @param straight  the program as it was read, if it has no chords: longer ones change nothing, and it need not be a
+///                  file
+void offer_kept(const std::string& name, ProgramFile& file, std::optional<ProgramFile> straight, const Task& task,
+                const ProgramFileOptions& options, ProgramResult& result) {
   ProgramFileOptions coarse = options;
   coarse.arc_tolerance = options.arc_tolerance.value_or(longest_chords);
-  ProgramFile again = read_program_file(name, task, coarse, {});
+  ProgramFile again = straight ? std::move(*straight) : read_program_file(name, task, coarse, {});
   coarse.feeds = Feeds::keep;
   const ProgramFilter filter = filter_for_program(again.path, task, coarse, {});
   if (!filter.filter) return;
@@ -83,9 +85,9 @@ void offer_kept(const std::string& name, ProgramFile& file, const Task& task, co
   ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.filter_bound,
                                    coarse.feeds, options.deadline);
   const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
-  if (kept.verification.feasible && (!result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept)) {
-    take_kept(kept, kept.cycle_time, result);
-  }
+  // A result at kept feeds has the times of its own filter.
+  const bool best = !result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept;
+  if (kept.verification.feasible && result.feeds_chosen && best) take_kept(kept, kept.cycle_time, result);
   if (kept.verification.feasible && (!result.verification.feasible || kept.cycle_time < result.cycle_time)) {
     result = std::move(kept);
     result.solver = filter.solver;
@@ -162,6 +164,8 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
   const bool widen = options.feeds == Feeds::choose && options.compensate_arcs && !file.path.arcs.empty();
+  std::optional<ProgramFile> straight;
+  if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
   const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.feeds;
   ProgramResult result = plan(std::move(file.path), finer ? Feeds::choose_only : feeds);
   double planning = result.solver.wall_time;
@@ -185,7 +189,7 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
   result.solver = choice.solver;
   result.solver.wall_time += planning;
   result.kept_same_filter = choice.designed || choice.settings;
-  if (kept && !options.deadline.over()) offer_kept(name, file, task, options, result);
+  if (kept && !options.deadline.over()) offer_kept(name, file, std::move(straight), task, options, result);
   return result;
 }
 
