@@ -47,6 +47,9 @@ DesignResult without_proof(DesignResult result) {
 }  // namespace
 
 void warn(const Task& task, const std::string& path, const Context& context) {
+  for (const std::string& note : task.notes) {
+    if (!context.quiet) fmt::print(stderr, "accdec: note: {}: {}\n", printable(path), note);
+  }
   constexpr double shortest = 0.05, longest = 20.0;  // ms, of controllers
   const double period = 1e3 * task.sample_period;
   if (context.quiet || (period >= shortest * (1.0 - 1e-9) && period <= longest * (1.0 + 1e-9))) return;

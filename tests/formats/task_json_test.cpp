@@ -1,3 +1,6 @@
+#include <cmath>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,6 +36,36 @@ TEST(TaskJson, NamesInSiAndKeysOfFilesMakeTheSameTask) {
       "residual_max = 0.1\n[program]\nerror_max_um = 10\n",
       "task");
   EXPECT_EQ(task_to_toml(si), task_to_toml(file));
+}
+
+/// Inside, a degree is a millimetre, so that 1 m is 1000 degrees: torque times angle is force times way.
+TEST(TaskJson, RotaryAxesHaveKeysOfTheirOwn) {
+  const std::string head = "sample_period_ms = 1\n[[axis]]\nname = \"x\"\n[[axis]]\nname = \"a\"\n";
+  const TaskOptions program{.require_corners = false, .axes = 9};
+  const Task task = parse_task(head +
+                                   "velocity_max_deg_s = 120\nacceleration_max_deg_s2 = 3000\n"
+                                   "jerk_max_deg_s3 = 90000\ninertia_kg_m2 = 0.8\ntorque_max_N_m = 60\n"
+                                   "force_rms_N = 700\n[controller]\nposition_unit_um = 0.1\n",
+                               "task", program);
+  const Axis& a = task.machine.axes[1];
+  EXPECT_EQ(a.velocity_max, 0.12);
+  EXPECT_EQ(a.acceleration_max, 3.0);
+  EXPECT_EQ(a.jerk_max, 90.0);
+  const double radians = 1000.0 * std::acos(-1.0) / 180.0;                                     // in 1 m
+  EXPECT_NEAR(a.mass * 3.0 * 0.12, 0.8 * (3.0 * radians) * (0.12 * radians), 1e-12 * a.mass);  // W
+  EXPECT_NEAR(a.force_max * 0.12, 60.0 * (0.12 * radians), 1e-9);
+  EXPECT_EQ(a.force_rms_max, 700.0);
+  EXPECT_DOUBLE_EQ(task.machine.position_unit, 1e-7);
+  EXPECT_TRUE(task.notes.empty());
+  const std::string text = task_to_toml(task);
+  for (const char* line : {"velocity_max_deg_s = 120.0\n", "inertia_kg_m2 = 0.8\n", "torque_max_N_m = 60.0\n",
+                           "force_rms_N = 700.0\n", "position_unit_um = 0.1\n"})
+    EXPECT_THAT(text, HasSubstr(line));
+  EXPECT_EQ(task_to_toml(parse_task(text, "again", program)), text);
+  const Task before = parse_task(head + "velocity_max_mm_s = 120\n", "task", program);
+  EXPECT_EQ(before.machine.axes[1].velocity_max, 0.12);
+  ASSERT_EQ(before.notes.size(), 1U);
+  EXPECT_THAT(before.notes.front(), HasSubstr("`velocity_max_deg_s`"));
 }
 
 TEST(TaskJson, SaysWhatIsWrong) {

@@ -105,6 +105,15 @@ def test_a_force_speed_curve():
         task([[0, 400], [50, 500]])
 
 
+def test_ratings_and_rotary_axes():
+    axes = [{"name": "x", "mass": 34, "force_rms": 260}, {"name": "a", "velocity_max_deg_s": 120, "inertia_kg_m2": 0.8}]
+    task = accdec.Task(sample_period=1e-3, axes=axes, program=True)
+    assert task.axes[0]["force_rms"] == 260.0 and task.axes[1]["velocity_max"] == 0.12
+    assert "inertia_kg_m2 = 0.8" in task.to_toml()
+    with pytest.raises(accdec.InputError, match="for rotary axes"):
+        accdec.Task(sample_period=1e-3, axes={"name": "x", "jerk_max_deg_s3": 1.0}, program=True)
+
+
 def test_writes_and_reads_files(tmp_path):
     path = tmp_path / "task.toml"
     from_si().write(path)

@@ -4,7 +4,8 @@
 
 namespace accdec::malformed {
 
-/// Faults in dry friction, in limits of the supply that axes share, in force-speed curves and in modes of axes.
+/// Faults in dry friction, in limits of the supply that axes share, in force-speed curves, in ratings, in rotary axes
+/// and in modes of axes.
 inline std::vector<Case> load_cases() {
   const auto axis = [](const std::string& lines) { return with_axis("[[axis]]\n" + lines + "\n"); };  // lines from 7
   const auto curve = [&](const std::string& points) { return axis("mass_kg = 30\nforce_speed_N = " + points); };
@@ -50,6 +51,26 @@ inline std::vector<Case> load_cases() {
        mode("axis = \"x\"\nresidual_max_um = 5\n[design]\nfamily = \"averages\""),
        "22:19",
        {"not considered with a control's settings"}},
+      {"rating_zero", axis("mass_kg = 30\nforce_rms_N = 0"), "8:15", {"0 < force_rms_N"}},
+      {"rating_in_words", axis("mass_kg = 30\nforce_rms_N = \"60\""), "8:15", {"must be a number"}},
+      {"rating_without_load", axis("force_rms_N = 60"), "7:15", {"can never bind", "mass_kg"}},
+      {"rating_of_the_machine", with_end("[machine]\nforce_rms_N = 60\n"), "20:1", {"belongs in [[axis]]"}},
+      {"rotary_of_a_linear_axis",
+       axis("velocity_max_deg_s = 60"),
+       "7:22",
+       {"`velocity_max_deg_s` is for rotary axes", "a, b and c"}},
+      {"rotary_in_both_units",
+       axis("name = \"a\"\njerk_max_mm_s3 = 5000\njerk_max_deg_s3 = 5000"),
+       "9:19",
+       {"both given", "allowed is either"}},
+      {"rotary_negative", axis("name = \"a\"\ninertia_kg_m2 = -1"), "8:17", {"0 < inertia_kg_m2"}},
+      {"torque_without_inertia",
+       axis("name = \"a\"\ntorque_max_N_m = 5"),
+       "8:18",
+       {"can never bind", "give inertia_kg_m2"}},
+      {"unit_zero", with_end("[controller]\nposition_unit_um = 0\n"), "20:20", {"0 < position_unit_um"}},
+      {"unit_in_words", with_end("[controller]\nposition_unit_um = \"1\"\n"), "20:20", {"must be a number"}},
+      {"unit_of_the_machine", with_end("[machine]\nposition_unit_um = 1\n"), "20:1", {"belongs in [controller]"}},
       {"supply_of_an_axis", axis("power_total_max_W = 900"), "7:1", {"belongs in [machine]"}},
   };
 }

@@ -81,6 +81,7 @@ py::dict axis_dict(const Axis& axis) {
   py::list curve;
   for (const SpeedForce& point : axis.force_speed) curve.append(py::make_tuple(point.speed, point.force));
   d["force_speed"] = curve;
+  d["force_rms"] = axis.force_rms_max;
   d["servo_gain"] = axis.servo_gain;
   d["velocity_feedforward"] = axis.velocity_feedforward;
   d["response_taps"] = axis.response_taps;
@@ -113,7 +114,7 @@ sample_period : float
     s.
 axes : dict or list of dict, optional
     velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
-    regeneration_max, force_speed_N ([[mm/s, N], ..]), name, servo_gain (1/s) with velocity_feedforward, or
+    regeneration_max, force_speed_N ([[mm/s, N], ..]), force_rms (N, over a whole program), name, servo_gain (1/s) with velocity_feedforward, or
     response_taps. One dict stands for every axis.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.

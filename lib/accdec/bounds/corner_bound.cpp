@@ -104,7 +104,8 @@ class CornerLinearProgram {
 double acceleration_most(const Axis& axis) {
   double most = axis.acceleration_max;
   if (axis.force_max < unlimited && axis.mass > 0.0 && (axis.damping == 0.0 || axis.velocity_max < unlimited)) {
-    const double friction = axis.damping == 0.0 ? 0.0 : axis.damping * axis.velocity_max;
+    // Friction helps to brake.
+    const double friction = axis.coulomb + (axis.damping == 0.0 ? 0.0 : axis.damping * axis.velocity_max);
     most = std::min(most, (axis.force_max + friction) / axis.mass);
   }
   return most;

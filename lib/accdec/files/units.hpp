@@ -1,9 +1,14 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <string_view>
 
 namespace accdec {
+
+/// Rotary axes count a degree as a millimetre, as feeds and tolerances of controls do. So a metre of one is that many
+/// radians.
+inline constexpr double radians_per_metre = 1e3 * std::numbers::pi / 180.0;
 
 /// A unit as keys, tables and figures write it.
 struct Unit {
@@ -16,7 +21,7 @@ struct Unit {
 
 /// Units of our files, and others that people write into names. A suffix stands before any shorter suffix that it ends
 /// with.
-constexpr std::array<Unit, 32> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
+constexpr std::array<Unit, 37> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_mm_s3", "mm/s^3", "mm/s³", 1e3},
                                       {"_mm_s2", "mm/s^2", "mm/s²", 1e3},
                                       {"_mm_s", "mm/s", "mm/s", 1e3},
@@ -27,6 +32,11 @@ constexpr std::array<Unit, 32> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_m_s3", "m/s^3", "m/s³"},
                                       {"_m_s2", "m/s^2", "m/s²"},
                                       {"_m_s", "m/s", "m/s"},
+                                      {"_deg_s3", "deg/s^3", "deg/s³", 1e3},
+                                      {"_deg_s2", "deg/s^2", "deg/s²", 1e3},
+                                      {"_deg_s", "deg/s", "deg/s", 1e3},
+                                      {"_kg_m2", "kg m^2", "kg m²", 1.0 / (radians_per_metre * radians_per_metre)},
+                                      {"_N_m", "N m", "N m", 1.0 / radians_per_metre},
                                       {"_samples", "samples", "samples"},
                                       {"_deg", "degrees", "deg"},
                                       {"_rad", "rad", "rad"},

@@ -54,4 +54,10 @@ void read_force_speed(const Table& table, Axis& axis) {
   axis.force_speed_max = curve.front().force;
 }
 
+void read_rating(const Table& table, Axis& axis) {
+  axis.force_rms_max = table.number("force_rms_N").value_or(unlimited);
+  if (axis.force_rms_max < unlimited && axis.mass == 0.0 && axis.damping == 0.0 && axis.coulomb == 0.0)
+    table.fail_at("force_rms_N", "`force_rms_N` can never bind: the axis has no mass_kg, damping_N_s_m or coulomb_N");
+}
+
 }  // namespace accdec

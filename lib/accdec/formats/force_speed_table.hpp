@@ -3,7 +3,7 @@
 #include <accdec/files/toml_table.hpp>
 #include <accdec/machine.hpp>
 
-// Internal: the key force_speed_N of [[axis]].
+// Internal: the keys of a drive in [[axis]], force_speed_N and force_rms_N.
 
 namespace accdec {
 
@@ -11,5 +11,7 @@ namespace accdec {
 Key force_speed_of_files();
 /// @throws InputError at the key unless speeds rise, forces fall and the curve is concave
 void read_force_speed(const toml_input::Table& table, Axis& axis);
+/// The key force_rms_N. @throws InputError at it for an axis without any load
+void read_rating(const toml_input::Table& table, Axis& axis);
 
 }  // namespace accdec

@@ -97,6 +97,11 @@ std::vector<double> read_response(const Table& table, std::string_view key) {
   return taps;
 }
 
+void read_control(const Table& table, Machine& machine) {
+  machine.prefilter_taps = read_response(table, "prefilter_taps");
+  machine.position_unit = table.number("position_unit_um").value_or(0.0);
+}
+
 void read_servo(const Table& table, Axis& axis) {
   axis.servo_gain = table.number("servo_gain_1_s").value_or(unlimited);
   axis.velocity_feedforward = table.number("velocity_feedforward").value_or(0.0);
@@ -124,15 +129,15 @@ void check_response(const Table& top, const Task& task, Considered considered, b
     require_measured(*controller, task);
   }
   if (const auto machine = top.table("machine")) {
-    for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, beside);
+    for (const SupplyLimit& limit : supply_limits) require_considered(*machine, limit.key, considered);
   }
   for (const Table& mode : top.tables("mode")) require_considered(mode, "residual_max_um", beside);
   const std::vector<Table> tables = top.tables("axis");
   for (std::size_t i = 0; i < tables.size() && i < task.machine.axes.size(); ++i) {
     const Axis& axis = task.machine.axes[i];
     if (axis.servo_gain < unlimited) require_end(tables[i], axis, task.sample_period);
-    require_considered(tables[i], "coulomb_N", beside);
-    require_considered(tables[i], force_speed_key, beside);
+    require_considered(tables[i], "coulomb_N", considered);
+    require_considered(tables[i], force_speed_key, considered);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
     if (considered == Considered::common) require_common(tables[i], axis, task.machine.axes.front());

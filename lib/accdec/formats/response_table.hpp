@@ -15,6 +15,8 @@ namespace accdec {
 std::vector<Key> servo_keys();
 /// Taps of a response, none if not given. @throws InputError unless their sum is 1
 std::vector<double> read_response(const toml_input::Table& table, std::string_view key);
+/// Reads `prefilter_taps` and `position_unit_um` of [controller].
+void read_control(const toml_input::Table& table, Machine& machine);
 /// The servo of an [[axis]]. @throws InputError at keys that exclude each other
 void read_servo(const toml_input::Table& table, Axis& axis);
 /// @param top  of the task  @param task  as read from it

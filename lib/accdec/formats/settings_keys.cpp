@@ -105,7 +105,14 @@ std::vector<Key> about_parameters() {
            .range = {0.0, 1.0},
            .most = response_taps_max,
            .fallback = "none",
-           .example = "[0.25, 0.5, 0.25]"}};
+           .example = "[0.25, 0.5, 0.25]"},
+          {.name = "position_unit_um",
+           .meaning = "`accdec program` outputs positions as whole numbers of it; of rotary axes in thousandths of a "
+                      "degree",
+           .unit = "um",
+           .range = {0.0, 1e3, true},
+           .fallback = "decimals of mm",
+           .example = "0.1"}};
 }
 
 /// The times of one stage, where stages have sets of their own.

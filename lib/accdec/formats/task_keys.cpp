@@ -7,6 +7,7 @@
 #include <accdec/formats/force_speed_table.hpp>
 #include <accdec/formats/mode_table.hpp>
 #include <accdec/formats/response_table.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/machine/limits.hpp>
@@ -202,7 +203,14 @@ std::vector<Key> axis_keys() {
                   .example = "40"});
   add_limits(true);
   keys.push_back(force_speed_of_files());
+  keys.push_back({.name = "force_rms_N",
+                  .meaning = "rating of the drive: root mean square of the force over a whole program, dwells included",
+                  .unit = "N",
+                  .range = {0.0, 1e8, true},
+                  .fallback = "no limit",
+                  .example = "260"});
   for (Key& key : servo_keys()) keys.push_back(std::move(key));
+  for (Key& key : rotary_keys()) keys.push_back(std::move(key));
   return keys;
 }
 

@@ -14,6 +14,7 @@
 #include <accdec/formats/force_speed_table.hpp>
 #include <accdec/formats/mode_table.hpp>
 #include <accdec/formats/response_table.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_tree.hpp>
@@ -44,21 +45,24 @@ DesignBounds read_design(const Table& table) {
   return bounds;
 }
 
-Axis read_axis(const Table& table) {
+/// @param notes  see Task
+Axis read_axis(const Table& table, std::vector<std::string>& notes) {
   Axis axis;
   axis.name = table.text("name").value_or("");
   axis.mass = table.required_number("mass_kg");
   axis.damping = table.required_number("damping_N_s_m");
   for (const AxisLimit& limit : axis_limits) {
     if (limit.key != force_speed_key) axis.*limit.bound = table.number(limit.key).value_or(unlimited);
-    if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0) {
+    if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0 && !table.has("inertia_kg_m2")) {
       table.fail_at(limit.key, fmt::format("`{}` can never bind: force is mass * acceleration + damping * velocity; "
                                            "give mass_kg or damping_N_s_m",
                                            limit.key));
     }
   }
-  read_force_speed(table, axis);
+  read_rotary(table, axis, notes);
   axis.coulomb = table.required_number("coulomb_N");
+  read_force_speed(table, axis);
+  read_rating(table, axis);
   if (axis.coulomb > 0.0 && axis.force_max < unlimited && axis.coulomb >= axis.force_max)
     table.fail_at("coulomb_N", fmt::format("`coulomb_N` = {:g} is not below `force_max_N` = {:g}: the axis could never "
                                            "move",
@@ -269,8 +273,7 @@ class TaskReader {
           read_settings(top_.table("design"), top_.table("controller"), task_.sample_period, options_.controller_files);
     });
     read_table("design", [&](const Table& table) { check_coefficients(table); });
-    read_table("controller",
-               [&](const Table& table) { task_.machine.prefilter_taps = read_response(table, "prefilter_taps"); });
+    read_table("controller", [&](const Table& table) { read_control(table, task_.machine); });
     read_table("machine", [&](const Table& table) {
       for (const SupplyLimit& limit : supply_limits)
         task_.machine.*limit.bound = table.number(limit.key).value_or(unlimited);
@@ -309,7 +312,7 @@ class TaskReader {
     }
     Names names;
     for (std::size_t i = 0; i < tables.size(); ++i) {
-      faults_.attempt(tables[i].pointer(), [&] { task_.machine.axes.push_back(read_axis(tables[i])); });
+      faults_.attempt(tables[i].pointer(), [&] { task_.machine.axes.push_back(read_axis(tables[i], task_.notes)); });
       if (tables.size() < 2) continue;
       faults_.attempt(tables[i].pointer() + "/name", [&] {
         names.add(tables[i], tables[i].text("name").value_or(std::string(task_keys::axis_names[i])));

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/filter_table.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_writer.hpp>
@@ -58,14 +59,16 @@ Json curve_json(const Axis& axis) {
 
 Json axis_json(const Axis& axis) {
   Written table("axis");
+  const auto key = [&](std::string_view name) { return is_rotary(axis.name) ? rotary_key(name) : name; };
   table.value("name", axis.name);
-  if (axis.mass > 0.0) table.number("mass_kg", axis.mass);
+  if (axis.mass > 0.0) table.number(key("mass_kg"), axis.mass);
   if (axis.damping > 0.0) table.number("damping_N_s_m", axis.damping);
   if (axis.coulomb > 0.0) table.number("coulomb_N", axis.coulomb);
   for (const AxisLimit& limit : axis_limits) {
-    if (axis.*limit.bound < unlimited && limit.key != force_speed_key) table.number(limit.key, axis.*limit.bound);
+    if (axis.*limit.bound < unlimited && limit.key != force_speed_key) table.number(key(limit.key), axis.*limit.bound);
   }
   if (axis.force_speed_max < unlimited) table.value(force_speed_key, curve_json(axis));
+  if (axis.force_rms_max < unlimited) table.number("force_rms_N", axis.force_rms_max);
   if (axis.servo_gain < unlimited) {
     table.number("servo_gain_1_s", axis.servo_gain);
     if (axis.velocity_feedforward > 0.0) table.number("velocity_feedforward", axis.velocity_feedforward);
@@ -158,6 +161,11 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   Json design = design_json(task.design), controller;
   if (task.settings) write_settings(task, design, controller);
   if (!task.machine.prefilter_taps.empty()) controller["prefilter_taps"] = task.machine.prefilter_taps;
+  if (task.machine.position_unit > 0.0) {
+    Written unit("controller");
+    unit.number("position_unit_um", task.machine.position_unit);
+    controller.update(unit.json());
+  }
   top.value("design", std::move(design));
   if (!controller.is_null()) top.value("controller", std::move(controller));
   if (limits_supply(task.machine)) top.value("machine", machine_json(task.machine));

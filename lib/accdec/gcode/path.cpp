@@ -45,6 +45,8 @@ const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
 Machine program_machine(const Machine& machine, const Toolpath& path) {
   Machine result;
   result.modes = machine.modes;
+  result.power_total_max = machine.power_total_max;
+  result.regeneration_total_max = machine.regeneration_total_max;
   for (std::size_t i = 0; i < path.dimensions(); ++i) {
     const Axis* axis = find_axis(machine, path.axes[i]);
     result.axes.push_back(axis != nullptr ? *axis : Axis{});

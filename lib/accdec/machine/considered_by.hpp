@@ -5,10 +5,11 @@
 namespace accdec {
 
 /// Advice on a key about the response, friction, force-speed curves, modes of axes or the supply, where it is not
-/// considered. No command considers it for whole coefficients, and for programs only the response.
+/// considered. No command considers it for whole coefficients.
 inline constexpr std::string_view considered_by =
     "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, `accdec design` and "
-    "`accdec explain` do unless there are `coefficient_bits`. `accdec program` considers `prefilter_taps` and one "
-    "servo of all axes with `--plan fixed`";
+    "`accdec explain` do unless there are `coefficient_bits`. `accdec program` considers `prefilter_taps`, one servo "
+    "of "
+    "all axes, friction, curves and the supply with `--plan fixed`";
 
 }  // namespace accdec

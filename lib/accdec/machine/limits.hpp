@@ -176,6 +176,8 @@ bool has_force_curve(const Machine& machine);
 /// @throws std::invalid_argument if the machine has dry friction, a limited supply, a force-speed curve or a mode of an
 /// axis, which `what` does not consider
 void require_no_shared_loads(const Machine& machine, const char* what);
+/// @throws std::invalid_argument if the machine has a mode of an axis, which `what` does not consider
+void require_no_modes_of_axes(const Machine& machine, const char* what);
 
 /// Whether the axis has any limit at all.
 inline bool limited(const Axis& axis) {

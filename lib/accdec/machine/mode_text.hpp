@@ -18,6 +18,11 @@ inline std::string range_of(const Mode& mode) {
   return text;
 }
 
+/// "jerk x", "power_total": a limit, and its axis if it has one.
+inline std::string limit_and_axis(const LimitUse& use) {
+  return fmt::format("{}{}{}", to_string(use.kind), use.axis.empty() ? "" : " ", use.axis);
+}
+
 /// "at 42 Hz", "at 42 Hz, damping 0.05": where a vibration is worst.
 template <class Use>
 std::string place_of_vibration(const Use& use, int digits = 6) {

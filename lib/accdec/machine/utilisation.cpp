@@ -114,6 +114,11 @@ void require_no_shared_loads(const Machine& machine, const char* what) {
   throw std::invalid_argument(fmt::format("{} does not consider `{}`; {}", what, key, considered_by));
 }
 
+void require_no_modes_of_axes(const Machine& machine, const char* what) {
+  if (!has_mode_of_axis(machine)) return;
+  throw std::invalid_argument(fmt::format("{} does not consider `residual_max_um`; {}", what, considered_by));
+}
+
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,
                                        const Machine& machine, const std::string& corner_name) {
   if (corner.axes() != static_cast<Eigen::Index>(machine.axes.size())) {

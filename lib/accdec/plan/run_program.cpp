@@ -17,6 +17,7 @@
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/result/cool_drives.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
@@ -95,6 +96,16 @@ class Planning {
       if (steps) offer(std::move(*steps), feeds_chosen);
     }
     if (!all_holds(best_.plan)) offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
+  }
+  /// Lowers all feeds where a drive would be warmer over the program than its rating.
+  void cool() {
+    const auto check = [this](ScheduledPlan& plan) {
+      plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
+      settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
+      if (!corner_feeds_had(plan.path, programmed_, plan.plan.delays, feed_step_)) plan.plan.delays_had = false;
+    };
+    if (cool_drives(best_, filter_, task_.sample_period, machine_, check, deadline_))
+      result_.cycle_time_kept.reset();  // that plan was not held against the ratings
   }
   /// The plan as the result's.
   void take() {
@@ -252,7 +263,7 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound, Feeds feeds, const Deadline& deadline) {
-  require_no_shared_loads(task.machine, "program");
+  require_no_modes_of_axes(task.machine, "program");
   if (task.settings && task.settings->in_position_latency > 0.0)
     throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
   const auto start = std::chrono::steady_clock::now();
@@ -270,6 +281,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   if (feeds != Feeds::keep && !written) planning.choose(path);
   if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
   planning.stop(path, feeds != Feeds::keep);
+  planning.cool();
   path = {};
   planning.take();
   result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
@@ -288,7 +300,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
   require_no_response(task.machine, "plan profiles");
-  require_no_shared_loads(task.machine, "program");
+  require_no_shared_loads(task.machine, "plan profiles");
   const auto start = std::chrono::steady_clock::now();
   if (task.settings && task.settings->names_family()) {
     throw std::invalid_argument(

@@ -12,6 +12,7 @@
 #include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/simulate/command_stream.hpp>
+#include <accdec/simulate/simulate.hpp>
 
 namespace accdec {
 namespace {
@@ -36,7 +37,7 @@ double turn_at(const Toolpath& path, std::size_t b) {
 class Uses {
  public:
   Uses(const Machine& machine, double period) : period_(period), loads_(!has_servo(machine)) {
-    for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period)});
+    for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period, standing_speed(period))});
   }
   /// Index in `axis_limits` of the limit that the next sample uses most; -1 if none is used to 98 %.
   int next(const double* v) {

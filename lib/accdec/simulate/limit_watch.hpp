@@ -10,7 +10,7 @@
 
 namespace accdec {
 
-/// Keeps the worst use of every finite axis limit while the motion passes.
+/// Keeps the worst use of every finite limit of an axis and of the shared supply while the motion passes.
 class LimitWatch {
  public:
   /// @param machine  nullptr: nothing is watched
@@ -30,21 +30,28 @@ class LimitWatch {
 
  private:
   struct Worst {
-    const AxisLimit* limit = nullptr;
+    LimitKind kind{};
+    const AxisLimit* limit = nullptr;  // none: of the supply
     std::size_t axis = 0;
     double bound = 0.0;
     double value = 0.0;
     std::int64_t sample = 0;
     std::size_t block = 0;
   };
+  void look_axes(const MotionBuffer& motion, std::size_t block);
+  void look_supply(const MotionBuffer& motion, std::size_t block);
+  /// Takes the value of a new sample. @param known  number of broken blocks before the new samples
+  void take(Worst& worst, double value, bool blame, const MotionBuffer& motion, std::int64_t index, std::size_t block,
+            std::size_t known);
   void order_broken(std::size_t known);
-  double value_at(const Worst& worst, double velocity, double acceleration, double jerk) const;
+  /// @param velocity, acceleration, jerk  in m and samples
+  AxisState state_at(std::size_t axis, double velocity, double acceleration, double jerk) const;
 
   /// Block commanded at an index of the buffer.
   std::size_t block_at(std::int64_t index, std::size_t current) const;
 
   const Machine* machine_;
-  double period_;
+  double period_, still_;  // s; m/s, up to which an axis stands still
   bool blame_;
   std::vector<std::uint32_t> broken_;
   std::vector<Worst> worst_;

@@ -255,6 +255,9 @@ Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size
 
 /// The machine with its limits of loads only, or with all others.
 Machine limited_by(Machine machine, bool loads) {
+  for (const SupplyLimit& limit : supply_limits) {
+    if (!loads) machine.*limit.bound = unlimited;
+  }
   for (Axis& axis : machine.axes) {
     for (const AxisLimit& limit : axis_limits) {
       if (limit.load != loads) axis.*limit.bound = unlimited;
@@ -277,14 +280,15 @@ Simulation simulate_servo(const CommandTiming& timing, const Filter& filter, std
   Simulation behind = simulate(timing, *options.motion, first, last, errors, options);
   result.limits.insert(result.limits.end(), behind.limits.begin(), behind.limits.end());
   const auto place = [&](const LimitUse& use) {
+    if (use.axis.empty()) return program_axis_count * axis_limits.size();  // the supply stands behind all axes
     std::size_t row = 0;
     while (axis_limits[row].kind != use.kind) ++row;
     std::size_t axis = 0;
     while (timing.path().axis_name(axis) != use.axis) ++axis;
     return axis * axis_limits.size() + row;
   };
-  std::sort(result.limits.begin(), result.limits.end(),
-            [&](const LimitUse& a, const LimitUse& b) { return place(a) < place(b); });
+  std::stable_sort(result.limits.begin(), result.limits.end(),
+                   [&](const LimitUse& a, const LimitUse& b) { return place(a) < place(b); });
   std::vector<std::uint32_t> broken;
   std::set_union(result.broken.begin(), result.broken.end(), behind.broken.begin(), behind.broken.end(),
                  std::back_inserter(broken));

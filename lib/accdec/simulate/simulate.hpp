@@ -8,6 +8,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/simulate/command_stream.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 
@@ -15,6 +16,12 @@ namespace accdec {
 /// the values of axis i, in m and m per sample.
 using SampleSink = std::function<void(std::int64_t first, std::int64_t count, const double* const* position,
                                       const double* const* velocity)>;
+
+/// m/s, up to which an axis of a program stands still: in a sample it moves no farther than positions can tell. Its dry
+/// friction then takes whatever part of the force helps.
+constexpr double standing_speed(double sample_period) {
+  return position_floor / sample_period;
+}
 
 struct SimulationOptions {
   const Machine* machine = nullptr;  ///< as many axes as the path; none: limits are not checked

@@ -22,22 +22,61 @@ BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sa
   }
 }
 
+AxisState BlendLimits::peak_at(const Axis& axis, double speed) const {
+  AxisState peak = axis_state(axis, speed, speed * peak_tap_ / period_, speed * peak_step_ / (period_ * period_));
+  peak.braking = peak.motoring;  // a stop brakes as a start drives
+  return peak;
+}
+
+namespace {
+
+/// The largest factor at which a limit holds that is the easier to hold the smaller the factor.
+template <class Holds>
+double largest_factor(const Holds& holds) {
+  constexpr double least = 1e-6;
+  if (holds(1.0)) return 1.0;
+  double low = 0.0, high = 1.0;
+  while (high - low > 1e-9 * high && high > least) {
+    const double middle = 0.5 * (low + high);
+    (holds(middle) ? low : high) = middle;
+  }
+  return std::max(low, least);
+}
+
+}  // namespace
+
 double BlendLimits::start_factor(const double* velocity, Binding* binding) const {
   double factor = 1.0;
+  const auto allow = [&](double allowed, LimitKind kind, std::size_t axis) {
+    if (allowed >= factor) return;
+    factor = allowed;
+    if (binding != nullptr) *binding = {kind, axis};
+  };
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
-    const double v = std::abs(velocity[a]), acceleration = v * peak_tap_ / period_;
+    const double v = std::abs(velocity[a]);
     if (v == 0.0) continue;
-    AxisState peak = axis_state(axis, v, acceleration, v * peak_step_ / (period_ * period_));
-    peak.braking = peak.motoring;  // a stop brakes as a start drives
+    const AxisState peak = peak_at(axis, v);
     for (const AxisLimit& limit : axis_limits) {
-      const double value = limit.value(peak);
-      if (!(value > 0.0)) continue;
-      const double allowed = limit.degree == 2 ? std::sqrt(axis.*limit.bound / value) : axis.*limit.bound / value;
-      if (allowed >= factor) continue;
-      factor = allowed;
-      if (binding != nullptr) *binding = {limit.kind, a};
+      const double value = limit.value(peak), bound = axis.*limit.bound;
+      if (!(value > bound)) continue;
+      // Dry friction does not become smaller with the speed.
+      const bool scales = !limit.load || axis.coulomb == 0.0;
+      const double part = limit.degree == 2 ? std::sqrt(bound / value) : bound / value;
+      allow(scales ? part : largest_factor([&](double f) { return limit.value(peak_at(axis, f * v)) <= bound; }),
+            limit.kind, a);
     }
+  }
+  for (const SupplyLimit& limit : supply_limits) {
+    const double bound = machine_.*limit.bound;
+    if (!(bound < unlimited)) continue;
+    const auto holds = [&](double f) {
+      double power = 0.0;
+      for (std::size_t a = 0; a < machine_.axes.size(); ++a)
+        power += peak_at(machine_.axes[a], f * std::abs(velocity[a])).motoring;
+      return power <= bound;
+    };
+    allow(largest_factor(holds), limit.kind, machine_.axes.size());
   }
   return factor;
 }

@@ -24,12 +24,12 @@ class BlendLimits {
   /// References are kept.
   BlendLimits(const Filter& filter, const Machine& machine, double sample_period);
 
-  bool any() const { return !limited_.empty(); }
+  bool any() const { return !limited_.empty() || limits_supply(machine_); }
   /// The designed filter behind the control's smoothing.
   const Filter& command() const { return filter_; }
   struct Binding {
     LimitKind kind = LimitKind::velocity;
-    std::size_t axis = 0;
+    std::size_t axis = 0;  ///< beyond all axes: the limit is one of the supply
   };
   /// Largest factor <= 1 on a velocity, m/s an axis, with which the filter surely starts it from rest and stops it
   /// within the limits.
@@ -52,6 +52,8 @@ class BlendLimits {
   bool supply_holds(const double* in, const double* out, int delay, double slack, double still) const;
   bool any_delay_holds(const double* in, const double* out, int from) const;
 
+  /// The largest velocity, acceleration, jerk and load of an axis that starts to or stops from a speed, together.
+  AxisState peak_at(const Axis& axis, double speed) const;
   /// What one axis does at a sample.
   AxisState state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int sample,
                   double still) const;

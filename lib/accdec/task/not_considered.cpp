@@ -1,5 +1,8 @@
 #include <algorithm>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <accdec/task/not_considered.hpp>
 
 namespace accdec {
@@ -26,18 +29,19 @@ std::vector<NotConsidered> not_considered(const Machine& machine) {
   return left_out;
 }
 
-std::string not_considered_text(const Machine& machine) {
-  std::string text;
+std::string not_considered_text(const Machine& machine, bool rated) {
+  std::vector<std::string> texts;
+  bool servo = true;
   for (const NotConsidered what : not_considered(machine)) {
-    if (!text.empty()) text += "; ";
     switch (what) {
-      case NotConsidered::vibration: text += "vibration of the machine (the task has no [[mode]])"; break;
-      case NotConsidered::servo: text.append("following error and feedforward of the servo, ").append(rating); break;
+      case NotConsidered::vibration: texts.emplace_back("vibration of the machine (the task has no [[mode]])"); break;
+      case NotConsidered::servo: servo = false; break;
     }
   }
-  const bool servo_given = not_considered(machine).empty() || not_considered(machine).back() != NotConsidered::servo;
-  if (servo_given) text += text.empty() ? rating : std::string("; ") + rating;
-  return text;
+  if (!servo) texts.emplace_back("following error and feedforward of the servo");
+  if (!rated && servo) texts.emplace_back(rating);
+  if (!rated && !servo) texts.back().append(", ").append(rating);
+  return texts.empty() ? "nothing" : fmt::format("{}", fmt::join(texts, "; "));
 }
 
 }  // namespace accdec

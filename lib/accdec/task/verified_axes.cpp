@@ -45,7 +45,8 @@ double first_of_curve(const Axis& axis) {
   return axis.force_speed.empty() ? 0.0 : axis.force_speed.front().force;
 }
 
-/// How far out a speed and a force are on their ray from the origin, as part of the way to the force-speed curve.
+}  // namespace
+
 double part_of_curve(const Axis& axis, double velocity, double force) {
   const double v = std::abs(velocity), f = std::abs(force);
   if (v == 0.0 && f == 0.0) return 0.0;
@@ -63,6 +64,8 @@ double part_of_curve(const Axis& axis, double velocity, double force) {
   }
   return unlimited;
 }
+
+namespace {
 
 /// Uses of the supply that the axes share.
 void supply_uses(const SampledResponse& m, const Machine& machine, const std::string& corner, double still,

@@ -19,6 +19,8 @@ struct Peak {
 LimitUse make_use(LimitKind kind, const std::string& axis, const std::string& corner, const Peak& peak, double bound);
 /// Speed of a corner's motion below which an axis stands still, m/s.
 double still_speed(const Corner& corner);
+/// How far out a speed and a force are on their ray from the origin, as part of the way to the force-speed curve.
+double part_of_curve(const Axis& axis, double velocity, double force);
 /// Power of all axes together at one row, W. @param still  m/s
 double total_power(const SampledMotion& motion, const Machine& machine, int row, double still);
 /// The value that an axis limit bounds, at one row: of the command, or of the motion behind the servo.

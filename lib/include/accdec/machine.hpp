@@ -45,6 +45,7 @@ struct Axis {
   /// N, on the force of a sample that is scaled to standstill (machine/force_speed.hpp): the curve's first force, or
   /// `unlimited` without a curve.
   double force_speed_max = unlimited;
+  double force_rms_max = unlimited;  ///< N, thermal rating: root mean square of the force over a whole program
 };
 
 /// Residual vibration bound of the filter: |sum_i b_i exp(-(z w + j w sqrt(1 - z^2)) (N - i) T)| <= residual_max, w = 2
@@ -74,6 +75,7 @@ struct Machine {
   std::vector<double> prefilter_taps{};       ///< of sum 1, >= 0: the control's own fixed smoothing; empty: none
   double power_total_max = unlimited;         ///< W, on the sum of F V' over the axes (shared supply, motoring)
   double regeneration_total_max = unlimited;  ///< W, on minus that sum (braking)
+  double position_unit = 0.0;                 ///< m, positions are output as whole numbers of it; 0: as decimals
 };
 
 /// What limits bound: of an axis, of the filter, of a corner.

@@ -108,8 +108,9 @@ struct ControlEstimate {
 /// The force of an axis over a whole program, dwells and rests included.
 struct AxisLoad {
   std::string axis;
-  double peak = 0.0;  ///< N, largest |F|
-  double rms = 0.0;   ///< N, root of the mean of F^2: what heats the drive
+  double peak = 0.0;           ///< N, largest |F|
+  double rms = 0.0;            ///< N, root of the mean of F^2: what heats the drive
+  double rms_max = unlimited;  ///< N, the axis' rating
 };
 
 /// The motion behind the servo, where it is not the command.

@@ -194,6 +194,7 @@ struct Task {
   Machine machine;
   std::vector<TaskCorner> corners;
   std::optional<double> program_error_max;  ///< m, [program] error_max_um
+  std::vector<std::string> notes{};         ///< keys that were read but are better written in another way
 };
 
 /// Responses that a caller considers: none, the control's own smoothing, one of all axes without negative taps, or any.

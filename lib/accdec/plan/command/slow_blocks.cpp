@@ -57,7 +57,8 @@ class FeedLimiter {
     for (std::size_t b = 0; b < path_.blocks(); ++b) {
       if (path_.duration[b] <= programmed_[b]) continue;
       const auto& [kind, axis] = binding_[b];
-      const std::string name = fmt::format("{} {}", to_string(kind), machine_.axes[axis].name);
+      const bool of_axis = axis < machine_.axes.size();
+      const std::string name = fmt::format("{}{}", to_string(kind), of_axis ? " " + machine_.axes[axis].name : "");
       auto entry =
           std::find_if(result.begin(), result.end(), [&](const SlowedFeeds& other) { return other.limit == name; });
       if (entry == result.end()) {

@@ -80,6 +80,7 @@ class ChangeJudge {
   /// @param v  speed on trial: where a segment of this speed is too fast, the verdict names a lower one
   void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) const {
     const double scale = backward_ && before.speed > at.speed ? at.speed / before.speed : 1.0;
+    if (window_.supply()) supply(at, before, scale, v, verdict);
     for (std::size_t a = 0; a < n(); ++a) {
       const double old = before.velocity[a] * scale, now = at.velocity[a];
       const double allowed = window_.change(a, now, old, backward_) * static_cast<double>(at.margin);
@@ -101,6 +102,17 @@ class ChangeJudge {
 
  private:
   std::size_t n() const { return axes > 0 ? axes : dimensions_; }
+  void supply(const Segment& at, const Segment& before, double scale, double v, FeedVerdict& verdict) const {
+    AxisRow<axes> old = before.velocity;
+    for (std::size_t a = 0; a < n(); ++a) old[a] *= scale;
+    const double use =
+        window_.supply_use({at.velocity.data(), n()}, {old.data(), n()}, backward_) / static_cast<double>(at.margin);
+    verdict.use = std::max(verdict.use, use);
+    if (use <= 1.0 + sum_slack || at.speed != v) return;
+    // The power falls at least as fast as the speed.
+    const double lower = v / use;
+    verdict.try_next = verdict.try_next > 0.0 ? std::min(verdict.try_next, lower) : lower;
+  }
   void judge(double now, double change, double allowed, double speed, double v, FeedVerdict& verdict) const {
     const double size = std::abs(change);
     if (size > allowed * verdict.use) verdict.use = allowed > 0.0 ? size / allowed : 1e30;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
 
@@ -27,7 +28,11 @@ std::array<int, 2> moving_averages(const Filter& filter) {
 }
 
 FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double sample_period, std::size_t dimensions)
-    : axes_(dimensions), machine_(machine.axes) {
+    : supply_(limits_supply(machine)),
+      power_total_(machine.power_total_max),
+      regeneration_total_(machine.regeneration_total_max),
+      axes_(dimensions),
+      machine_(machine.axes) {
   const double period = sample_period;
   const auto [longer, shorter] = moving_averages(filter);
   double largest = 0.0, steepest = 0.0;
@@ -44,7 +49,11 @@ FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double samp
     const Axis& axis = machine_[a];
     AxisWindow& window = axes_[a];
     window.change = axis.acceleration_max * tau1_;
-    if (axis.mass > 0.0) window.change = std::min(window.change, axis.force_max / axis.mass * tau1_);
+    const double force = std::min(axis.force_max, axis.force_speed_max);
+    if (axis.mass > 0.0) window.change = std::min(window.change, force / axis.mass * tau1_);
+    window.lines = force_lines(axis);
+    if (!window.lines.empty())
+      window.fastest = axis.force_speed.back().speed * axis.force_speed_max / axis.force_speed.front().force;
     if (axis.jerk_max < unlimited) {
       window.jerk = axis.jerk_max * period * period / steepest;
       tau2_ = ramp;
@@ -52,26 +61,48 @@ FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double samp
     window.change *= safe;
     window.jerk *= safe;
     window.step = std::min(window.change, window.jerk);
-    window.loaded = axis.force_max < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
+    window.loaded = force < unlimited || axis.power_max < unlimited || axis.regeneration_max < unlimited;
     loads_ = loads_ || window.loaded;
-    limited_ = limited_ || window.step < unlimited || window.loaded;
+    limited_ = limited_ || window.step < unlimited || window.loaded || supply_;
   }
+}
+
+bool FeedWindow::driven(const Axis& axis, double velocity, double before, bool mirrored) {
+  // Where an axis with dry friction reverses, it first brakes and then speeds up.
+  const bool reverses = axis.coulomb > 0.0 && velocity * before < 0.0;
+  return reverses || (std::abs(velocity) > std::abs(before)) != mirrored;
 }
 
 double FeedWindow::change(std::size_t axis, double velocity, double before, bool mirrored) const {
   const AxisWindow& window = axes_[axis];
   if (!window.loaded) return window.change;
   const Axis& limits = machine_[axis];
-  const double v = std::max(std::abs(velocity), std::abs(before)), friction = limits.damping * v;
-  const bool faster = (std::abs(velocity) > std::abs(before)) != mirrored;
-  double force = limits.force_max;
-  if (faster) {
+  const double v = std::max(std::abs(velocity), std::abs(before)), friction = limits.damping * v + limits.coulomb;
+  double force = v > window.fastest ? -1.0 : limits.force_max;
+  for (const ForceLine& line : window.lines) force = std::min(force, line.force - line.slope * v);
+  if (driven(limits, velocity, before, mirrored)) {
     force = std::min(force - friction, v > 0.0 ? limits.power_max / v - friction : unlimited);
   } else if (v > 0.0) {
     force = std::min(force, limits.regeneration_max / v);
   }
   if (!(limits.mass > 0.0)) return force >= 0.0 ? window.change : 0.0;
   return std::min(window.change, safe * std::max(0.0, force) / limits.mass * tau1_);
+}
+
+double FeedWindow::supply_use(std::span<const double> velocities, std::span<const double> before, bool mirrored) const {
+  double motoring = 0.0, braking = 0.0;
+  for (std::size_t a = 0; a < machine_.size(); ++a) {
+    const Axis& axis = machine_[a];
+    const double v = std::max(std::abs(velocities[a]), std::abs(before[a])), friction = axis.damping * v + axis.coulomb;
+    const double inertia = axis.mass * std::abs(velocities[a] - before[a]) / tau1_;
+    if (driven(axis, velocities[a], before[a], mirrored)) {
+      motoring += (inertia + friction) * v;
+    } else {
+      motoring += std::max(0.0, friction - inertia) * v;
+      braking += inertia * v;
+    }
+  }
+  return std::max(motoring / power_total_, braking / regeneration_total_) / safe;
 }
 
 }  // namespace accdec

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/force_speed.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -21,7 +23,9 @@ namespace accdec {
 /// the acceleration at its limit without interruption. Other taps are treated as tau1 = T/max b_i with the jerk of a
 /// single step. Their largest acceleration is that of a step. This is a guess that the simulation must confirm. Limits
 /// of force, power and regeneration bound the first difference at the larger of the two speeds, V = max(|V(t)|, |V(t -
-/// tau1)|). While speeding up: m a + c V <= F, (m a + c V) V <= P. While braking: m a <= F, (m a - c V) V <= P_regen.
+/// tau1)|). While speeding up: m a + c V + F_c <= F, (m a + c V + F_c) V <= P. While braking: m a <= F,
+/// m a V <= P_regen. F is no more than a force-speed curve allows at V. The shared supply gives the sum of what the
+/// axes need that speed up or go on, and takes that of those that brake.
 class FeedWindow {
  public:
   /// @param machine   as many axes as the path, or none: nothing is limited
@@ -34,6 +38,7 @@ class FeedWindow {
   double half() const { return half_; }
   bool limited() const { return limited_; }
   bool loads() const { return loads_; }
+  bool supply() const { return supply_; }  ///< whether the shared supply is limited
   bool jerk() const { return tau2_ > 0.0; }
 
   /// Largest change of velocity over tau1 of an axis that acceleration and force allow at rest, and that a single step
@@ -43,14 +48,21 @@ class FeedWindow {
   double jerk_change(std::size_t axis) const { return axes_[axis].jerk; }
   /// Largest |V - before| over tau1, m/s. @param mirrored  time runs backwards: braking is speeding up
   double change(std::size_t axis, double velocity, double before, bool mirrored) const;
+  /// Part of the shared supply that a change of all axes over tau1 uses. @param velocities, before  m/s, one an axis
+  double supply_use(std::span<const double> velocities, std::span<const double> before, bool mirrored) const;
 
  private:
   struct AxisWindow {
     double change = unlimited, jerk = unlimited, step = unlimited;
     bool loaded = false;
+    std::vector<ForceLine> lines;  // of the force-speed curve
+    double fastest = unlimited;    // m/s, its end
   };
+  /// Whether the axis is driven in the change, so that friction needs force; else it helps to brake.
+  static bool driven(const Axis& axis, double velocity, double before, bool mirrored);
   double tau1_ = 0.0, tau2_ = 0.0, half_ = 0.0;
-  bool limited_ = false, loads_ = false;
+  bool limited_ = false, loads_ = false, supply_ = false;
+  double power_total_ = unlimited, regeneration_total_ = unlimited;  // W
   std::vector<AxisWindow> axes_;
   std::vector<Axis> machine_;
 };

@@ -78,7 +78,8 @@ class Search {
   double acceleration(std::size_t axis) const {
     if (axis >= machine_.axes.size()) return 1e30;
     const Axis& limits = machine_.axes[axis];
-    const double by_force = limits.mass > 0.0 ? limits.force_max / limits.mass : unlimited;
+    const double force = std::min(limits.force_max, limits.force_speed_max) - limits.coulomb;
+    const double by_force = limits.mass > 0.0 && force > 0.0 ? force / limits.mass : unlimited;
     return std::min({limits.acceleration_max, by_force, 1e30});
   }
 

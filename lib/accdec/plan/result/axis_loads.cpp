@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/samples.hpp>
+#include <accdec/simulate/simulate.hpp>
 
 namespace accdec {
 namespace {
@@ -16,7 +18,8 @@ class Loaded {
   std::size_t dimension() const { return dimension_; }
   /// @param count  samples with this velocity; with more than one, the one before had it, too
   void look(double velocity, std::int64_t count) {
-    const double force = axis_->mass * (velocity - before_) / period_ + axis_->damping * velocity;
+    const double force =
+        axis_state(*axis_, velocity, (velocity - before_) / period_, 0.0, standing_speed(period_)).force;
     before_ = velocity;
     peak_ = std::max(peak_, std::abs(force));
     squares_ += static_cast<long double>(count) * force * force;
@@ -25,7 +28,7 @@ class Loaded {
   AxisLoad finish(const Toolpath& path, std::int64_t samples) {
     look(0.0, 1);
     const double mean = static_cast<double>(squares_ / static_cast<long double>(std::max<std::int64_t>(samples, 1)));
-    return {path.axis_name(dimension_), peak_, std::sqrt(mean)};
+    return {path.axis_name(dimension_), peak_, std::sqrt(mean), axis_->force_rms_max};
   }
 
  private:
@@ -40,7 +43,7 @@ class Loaded {
 std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& machine) {
   std::vector<Loaded> loaded;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
-    if (machine.axes[a].mass > 0.0 || machine.axes[a].damping > 0.0)
+    if (machine.axes[a].mass > 0.0 || machine.axes[a].damping > 0.0 || machine.axes[a].coulomb > 0.0)
       loaded.emplace_back(machine.axes[a], a, result.sample_period);
   }
   if (loaded.empty() || result.plan.empty()) return {};

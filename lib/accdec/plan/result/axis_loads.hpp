@@ -1,14 +1,20 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <accdec/program.hpp>
 
 namespace accdec {
 
-/// The force of every axis with a load over the whole program, m a + c v of the motion at every sample, dwells and
-/// rests included. Reads all samples of the plan; none is read if no axis has a load.
+/// The force of every axis with a load over the whole program, m a + c v and dry friction of the motion at every
+/// sample, dwells and rests included. Reads all samples of the plan; none is read if no axis has a load.
 /// @param machine  as many axes as the path
 std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& machine);
+
+/// Whether any axis has a thermal rating.
+inline bool has_ratings(const Machine& machine) {
+  return std::ranges::any_of(machine.axes, [](const Axis& axis) { return axis.force_rms_max < unlimited; });
+}
 
 }  // namespace accdec

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/feed_override.hpp>
@@ -36,7 +37,7 @@ FeedOverride overridden(Toolpath path, double factor, const Filter& filter, doub
   for (const LimitUse& use : simulation.limits) {
     if (use.utilisation <= result.limit_utilisation) continue;
     result.limit_utilisation = use.utilisation;
-    result.limit = fmt::format("{} {}", to_string(use.kind), use.axis);
+    result.limit = limit_and_axis(use);
   }
   return result;
 }

@@ -33,18 +33,26 @@ void judge_limits(ProgramResult& result) {
     worst = use.utilisation;
     report.worst = use.kind == LimitKind::vibration
                        ? fmt::format("vibration: {:.1f} % {}", 100.0 * use.utilisation, place_of_vibration(use))
-                       : fmt::format("{} {}: {:.1f} % at sample {}, line {}", to_string(use.kind), use.axis,
-                                     100.0 * use.utilisation, use.sample, use.line);
+                       : fmt::format("{}: {:.1f} % at sample {}, line {}", limit_and_axis(use), 100.0 * use.utilisation,
+                                     use.sample, use.line);
   }
   if (result.worst_utilisation > worst) {
     worst = result.worst_utilisation;
     report.worst = fmt::format("corner error: {:.1f} % of its tolerance, line {}", 100.0 * worst, result.worst_line);
   }
+  bool rated = true;
+  for (const AxisLoad& load : result.loads) {
+    const double use = load.rms / load.rms_max;
+    rated = rated && use <= 1.0 + verification_tolerance;
+    if (use <= worst) continue;
+    worst = use;
+    report.worst = fmt::format("root mean square of the force {}: {:.1f} % of its rating", load.axis, 100.0 * use);
+  }
   report.max_violation = std::max(0.0, worst - 1.0);
   result.check.limits_hold = std::all_of(limits.begin(), limits.end(), [](const LimitUse& use) {
     return use.utilisation <= 1.0 + verification_tolerance;
   });
-  report.feasible = result.check.errors_hold && result.check.limits_hold;
+  report.feasible = result.check.errors_hold && result.check.limits_hold && rated;
   result.status = report.feasible ? Status::feasible : Status::failed;
   if (!report.feasible) result.message = "a limit is broken: " + report.worst;
 }
@@ -85,11 +93,10 @@ void judge_program(ProgramResult& result, const Machine& machine) {
   if (const FilteredCommand* command = result.plan.command())
     result.raised = raised_delays(result.plan.path, command->filter, result.sample_period, machine, command->delays);
   add_vibration(result, machine);
-  judge_limits(result);
-  if (result.plan.path.blocks() <= several_plans_max) {
+  if (result.plan.path.blocks() <= several_plans_max || has_ratings(machine))
     result.loads = axis_loads(result, machine);
-    result.servo = servo_report(result);
-  }
+  judge_limits(result);
+  if (result.plan.path.blocks() <= several_plans_max) result.servo = servo_report(result);
   const FilteredCommand* command = result.plan.command();
   if (command != nullptr && result.plan.path.blocks() <= several_plans_max)
     result.overrides =

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/simulate/sample_check.hpp>
@@ -12,14 +13,14 @@
 namespace accdec {
 namespace {
 
-/// The limit of an axis; empty if all hold.
+/// The limit of an axis or of the supply; empty if all hold.
 std::string broken_most(const std::vector<LimitUse>& uses) {
   double worst = 1.0 + verification_tolerance;
   std::string name;
   for (const LimitUse& use : uses) {
     if (use.utilisation <= worst) continue;
     worst = use.utilisation;
-    name = fmt::format("{} {}", to_string(use.kind), use.axis);
+    name = limit_and_axis(use);
   }
   return name;
 }

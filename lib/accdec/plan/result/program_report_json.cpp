@@ -31,8 +31,11 @@ Json limits_json(const ProgramResult& result) {
 
 Json loads_json(const ProgramResult& result) {
   Json list = Json::array();
-  for (const AxisLoad& load : result.loads)
-    list.push_back({{"axis", load.axis}, {"force_peak_N", number(load.peak)}, {"force_rms_N", number(load.rms)}});
+  for (const AxisLoad& load : result.loads) {
+    Json item{{"axis", load.axis}, {"force_peak_N", number(load.peak)}, {"force_rms_N", number(load.rms)}};
+    if (load.rms_max < unlimited) item["force_rms_max_N"] = load.rms_max;
+    list.push_back(std::move(item));
+  }
   return list;
 }
 

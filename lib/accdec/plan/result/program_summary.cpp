@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string_view>
 
@@ -6,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/shown_text.hpp>
+#include <accdec/files/units.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/samples.hpp>
@@ -16,11 +18,20 @@
 namespace accdec {
 namespace {
 
-/// Unit of a limit's value for people. Rotary axes are in degrees where the others are in millimetres.
-std::string unit_of(const LimitUse& use) {
-  std::string unit(limit_name(use.kind).unit);
-  const bool rotary = use.axis.size() == 1 && std::string_view("ABCabc").find(use.axis[0]) != std::string_view::npos;
-  if (rotary && unit.starts_with("mm")) unit.replace(0, 2, "deg");
+bool turns(std::string_view axis) {
+  return axis.size() == 1 && std::string_view("ABCabc").find(axis) != std::string_view::npos;
+}
+
+/// Unit of a limit's value for people. Rotary axes are in degrees where the others are in millimetres, and have torques
+/// where the others have forces.
+struct ShownUnit {
+  std::string name;
+  double per_si = 1.0;
+};
+ShownUnit unit_of(LimitKind kind, std::string_view axis) {
+  ShownUnit unit{std::string(limit_name(kind).unit), limit_name(kind).per_si};
+  if (turns(axis) && unit.name.starts_with("mm")) unit.name.replace(0, 2, "deg");
+  if (turns(axis) && unit.name == "N") unit = {"N m", 1.0 / radians_per_metre};
   return unit;
 }
 
@@ -44,7 +55,7 @@ class SummaryText {
     feeds();
     limits();
     control();
-    put("\n  ignored: {}\n", not_considered_text(result_.task_machine));
+    put("\n  ignored: {}\n", not_considered_text(result_.task_machine, rated()));
     put("  planned and verified in {:.3g} s", result_.solver.wall_time);
     if (result_.peak_memory > 0) put(", at most {:.0f} MB of memory", static_cast<double>(result_.peak_memory) * 1e-6);
     put("\n");
@@ -161,6 +172,10 @@ class SummaryText {
 
   void control() {
     put("\n  a control must {}\n", fmt::join(control_needs(result_), ", "));
+    // Each of four positions in a third difference is rounded by half a unit, with weights 1, 3, 3 and 1.
+    if (const double unit = result_.task_machine.position_unit; unit > 0.0)
+      put("  positions are whole numbers of {:g} um; differences of them read up to {:.4g} mm/s^3 more jerk\n",
+          1e6 * unit, 4e3 * unit / std::pow(result_.sample_period, 3));
     for (const FeedOverride& at : result_.overrides) {
       put("  {:<28}corner error {:.3f} um, {:.1f} % of its tolerance{}",
           fmt::format("feed override {:.0f} %", 100.0 * at.factor), at.worst_error * 1e6, 100.0 * at.worst_utilisation,
@@ -173,20 +188,29 @@ class SummaryText {
     }
   }
 
+  /// Whether the ratings of all axes with a load were considered.
+  bool rated() const {
+    return !result_.loads.empty() &&
+           std::ranges::all_of(result_.loads, [](const AxisLoad& load) { return load.rms_max < unlimited; });
+  }
+
   void limits() {
     const std::vector<LimitUse>& uses = result_.check.limits;
     if (!uses.empty()) {
       put("\n  {:<14}{:<6}{:>12}{:>12} {:<8}{:>8}  {}\n", "limit", "axis", "value", "bound", "unit", "use", "where");
     }
     for (const LimitUse& use : uses) {
-      const double per_si = limit_name(use.kind).per_si;
+      const auto [unit, per_si] = unit_of(use.kind, use.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis, per_si * use.value,
-          per_si * use.bound, unit_of(use), 100.0 * use.utilisation,
+          per_si * use.bound, unit, 100.0 * use.utilisation,
           use.kind == LimitKind::vibration ? place_of_vibration(use) : fmt::format("line {}", use.line));
     }
-    for (const AxisLoad& load : result_.loads)
-      put("  {:<14}{:<6}{:>12.6g}{:>12.6g} N, peak and root mean square over the program\n", "force", load.axis,
-          load.peak, load.rms);
+    for (const AxisLoad& load : result_.loads) {
+      const auto [unit, per_si] = unit_of(LimitKind::force, load.axis);
+      put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",
+          turns(load.axis) ? "torque" : "force", load.axis, per_si * load.peak, per_si * load.rms, unit,
+          load.rms_max < unlimited ? fmt::format(", {:.1f} % of its rating", 100.0 * load.rms / load.rms_max) : "");
+    }
   }
 
   const ProgramResult& result_;

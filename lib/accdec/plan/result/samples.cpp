@@ -1,3 +1,4 @@
+#include <cmath>
 #include <iterator>
 
 #include <nlohmann/json.hpp>
@@ -8,21 +9,36 @@
 
 namespace accdec {
 
-SampleTable::SampleTable(const Toolpath& path, double sample_period, std::ostream& out, bool servo)
-    : path_(path), period_(sample_period), out_(out) {
+namespace {
+
+std::int64_t in_units(double position, double unit) {
+  return std::llround(position / unit);
+}
+
+}  // namespace
+
+SampleTable::SampleTable(const Toolpath& path, double sample_period, std::ostream& out, bool servo, double unit)
+    : path_(path), period_(sample_period), unit_(unit), out_(out) {
   fmt::format_to(std::back_inserter(text_), "time_s");
   for (const char* of : {"", "_motion"}) {
     for (std::size_t a = 0; a < path.dimensions() && (*of == '\0' || servo); ++a) {
-      const std::string unit = path.axes[a] >= 3 && path.axes[a] < 6 ? "deg" : "mm";
-      fmt::format_to(std::back_inserter(text_), ",{0}{1}_{2},{0}{1}_{2}_s", path.axis_name(a), of, unit);
+      const std::string name = rotary_axis(path.axes[a]) ? "deg" : "mm";
+      if (unit > 0.0)
+        fmt::format_to(std::back_inserter(text_), ",{}{}_units", path.axis_name(a), of);
+      else
+        fmt::format_to(std::back_inserter(text_), ",{0}{1}_{2},{0}{1}_{2}_s", path.axis_name(a), of, name);
     }
   }
   text_.push_back('\n');
 }
 
 void SampleTable::put(const double* position, const double* velocity) {
-  for (std::size_t a = 0; a < path_.dimensions(); ++a)
-    fmt::format_to(std::back_inserter(text_), ",{:.9f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
+  for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+    if (unit_ > 0.0)
+      fmt::format_to(std::back_inserter(text_), ",{}", in_units(position[a], unit_));
+    else
+      fmt::format_to(std::back_inserter(text_), ",{:.9f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
+  }
 }
 
 void SampleTable::row(std::int64_t k, const double* position, const double* velocity, const Sample* motion) {
@@ -49,7 +65,7 @@ void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Stea
 void write_samples(const ProgramResult& result, std::ostream& out) {
   const FilteredCommand* command = result.plan.command();
   const bool servo = command != nullptr && command->moved;
-  SampleTable table(result.plan.path, result.sample_period, out, servo);
+  SampleTable table(result.plan.path, result.sample_period, out, servo, result.task_machine.position_unit);
   Motion behind(result.plan, result.sample_period, true);
   Sample motion;
   visit_samples(result, [&](std::int64_t k, const double* x, const double* v) {
@@ -58,15 +74,18 @@ void write_samples(const ProgramResult& result, std::ostream& out) {
   });
 }
 
-void stream_row(const Toolpath& path, const double* position, std::ostream& out) {
+void stream_row(const Toolpath& path, const double* position, std::ostream& out, double unit) {
   for (std::size_t a = 0; a < path.dimensions(); ++a) {
-    out << fmt::format("{}{:.9f}", a == 0 ? "" : " ", position[a] * 1e3);
+    out << (a == 0 ? "" : " ")
+        << (unit > 0.0 ? fmt::format("{}", in_units(position[a], unit)) : fmt::format("{:.9f}", position[a] * 1e3));
   }
   out << std::endl;  // the controller waits for it
 }
 
 void stream_samples(const ProgramResult& result, std::ostream& out) {
-  visit_samples(result, [&](std::int64_t, const double* x, const double*) { stream_row(result.plan.path, x, out); });
+  visit_samples(result, [&](std::int64_t, const double* x, const double*) {
+    stream_row(result.plan.path, x, out, result.task_machine.position_unit);
+  });
 }
 
 std::string describe(const PlanTime& plan) {

@@ -19,12 +19,14 @@ namespace accdec {
 struct ProgramResult;
 
 /// A motion as a table, written as it is made: time_s and position and velocity of every axis in its own unit (x_mm,
-/// x_mm_s, .. or a_deg, a_deg_s, ..).
+/// x_mm_s, .. or a_deg, a_deg_s, ..). A control with a position unit gets whole numbers of it instead (x_units, ..):
+/// every position is rounded by itself, so that nothing adds up.
 class SampleTable {
  public:
   /// References are kept. Writes the header.
   /// @param servo  whether there is a motion behind the command: x_motion_mm, x_motion_mm_s, ..
-  SampleTable(const Toolpath& path, double sample_period, std::ostream& out, bool servo = false);
+  /// @param unit  m, see Machine::position_unit
+  SampleTable(const Toolpath& path, double sample_period, std::ostream& out, bool servo = false, double unit = 0.0);
   ~SampleTable() { flush(); }
   SampleTable(const SampleTable&) = delete;
   SampleTable& operator=(const SampleTable&) = delete;
@@ -36,7 +38,7 @@ class SampleTable {
   void flush();
   void put(const double* position, const double* velocity);
   const Toolpath& path_;
-  double period_;
+  double period_, unit_;
   std::ostream& out_;
   fmt::memory_buffer text_;
 };
@@ -55,9 +57,11 @@ void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Stea
 /// From the first sample to the first at rest of the command, with the motion behind a servo.
 void write_samples(const ProgramResult& result, std::ostream& out);
 
-/// For a controller that takes positions: one line per cycle, the position of every axis in its own unit with nine
-/// decimals, separated by blanks; flushed. The first line of a stream is the start.
-void stream_row(const Toolpath& path, const double* position, std::ostream& out);
+/// For a controller that takes positions: one line per cycle, separated by blanks; flushed. It has the position of
+/// every axis in its own unit with nine decimals, or as whole numbers of the control's unit. The first line of a stream
+/// is the start.
+/// @param unit  m, see Machine::position_unit
+void stream_row(const Toolpath& path, const double* position, std::ostream& out, double unit = 0.0);
 /// Writes the whole motion in this form.
 void stream_samples(const ProgramResult& result, std::ostream& out);
 

@@ -8,6 +8,7 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/result/used_limits.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 #include <accdec/simulate/direct.hpp>
@@ -32,49 +33,6 @@ ProgramResult recorded_plan(const ProgramResult& result) {
   plan.plan = result.plan;
   return plan;
 }
-
-/// Worst use of one limit of an axis over the whole motion.
-struct Worst {
-  double use = 0.0, value = 0.0;
-};
-
-/// One axis limit as the motion uses it, sample by sample.
-class UseOfLimit {
- public:
-  UseOfLimit(const DirectMotion& motion, const Axis& axis, std::size_t a, const AxisLimit& limit, double period)
-      : motion_(motion), velocity_(motion.velocity[a]), axis_(axis), limit_(limit), period_(period) {}
-
-  double bound() const { return axis_.*limit_.bound; }
-  double value_at(std::size_t k) const {
-    const auto v = [&](std::size_t back) { return back > k ? 0.0 : velocity_[k - back]; };
-    const double acceleration = (v(0) - v(1)) / period_, before = (v(1) - v(2)) / period_;
-    return limit_.value(axis_state(axis_, v(0), acceleration, (acceleration - before) / period_));
-  }
-  Worst worst() const {
-    Worst worst;
-    for (std::size_t k = 0; k < velocity_.size(); ++k) {
-      const double value = value_at(k), use = utilisation_of(limit_.kind, value, bound());
-      if (use > worst.use) worst = {use, value};
-    }
-    return worst;
-  }
-  /// Whether the value of a sample is the worst up to rounding: that of the simulation which chose the sample, and that
-  /// of this one.
-  bool is_worst(std::int64_t k, const Worst& worst) const {
-    if (worst.use == 0.0) return k == 0;
-    k = motion_.kept(k);
-    if (k < 0 || k >= static_cast<std::int64_t>(velocity_.size())) return false;
-    return std::abs(utilisation_of(limit_.kind, value_at(static_cast<std::size_t>(k)), bound()) - worst.use) <=
-           2.0 * rounding;
-  }
-
- private:
-  const DirectMotion& motion_;
-  const std::vector<double>& velocity_;
-  const Axis& axis_;
-  const AxisLimit& limit_;
-  double period_;
-};
 
 /// The control's own smoothing behind a filter, which the plan's is made without.
 Filter smoothed(const Filter& set, const std::vector<double>& smoothing) {
@@ -116,6 +74,7 @@ class CommandCheck {
     check_delay_kinds(result_, task_, filter_, motion, report_.reasons);
     check_joints(behind);
     check_limits(motion, behind);
+    check_ratings(behind);
     check_settling(behind);
     check_vibration();
     describe(motion, time);
@@ -167,24 +126,41 @@ class CommandCheck {
     }
   }
 
-  /// The limits of axes stand first, in the order of the axes and of the table of limits.
+  /// The limits of axes stand first, in the order of the axes and of the table of limits; then those of the supply.
   void check_limits(const DirectMotion& command, const DirectMotion& motion) {
     std::size_t i = 0;
     for (std::size_t a = 0; a < machine_.axes.size(); ++a) {
       for (const AxisLimit& limit : axis_limits) {
-        const UseOfLimit use(limit.load ? motion : command, machine_.axes[a], a, limit, result_.sample_period);
-        if (use.bound() < unlimited) check_limit(i++, use, limit.kind, machine_.axes[a].name);
+        const Axis& axis = machine_.axes[a];
+        if (axis.*limit.bound < unlimited)
+          check_limit(i++, use_of_axis(limit.load ? motion : command, axis, a, limit.kind, result_.sample_period),
+                      axis.name);
       }
+    }
+    for (const SupplyLimit& limit : supply_limits) {
+      if (machine_.*limit.bound < unlimited)
+        check_limit(i++, use_of_supply(motion, machine_, limit.kind, result_.sample_period), "");
     }
     limits_ = i;
   }
 
-  void check_limit(std::size_t i, const UseOfLimit& use, LimitKind kind, const std::string& axis) {
-    const std::string name = fmt::format("{} {}", to_string(kind), axis);
-    const Worst found = use.worst();
+  void check_ratings(const DirectMotion& motion) {
+    for (std::size_t a = 0; a < machine_.axes.size(); ++a) {
+      const Axis& axis = machine_.axes[a];
+      if (!(axis.force_rms_max < unlimited)) continue;
+      const double rms = rms_force(motion, axis, a, result_.sample_period);
+      if (rms > axis.force_rms_max * (1.0 + rounding))
+        wrong(fmt::format("root mean square of the force {} is {:.9g} N, above its rating {:.9g} N", axis.name, rms,
+                          axis.force_rms_max));
+    }
+  }
+
+  void check_limit(std::size_t i, const UseOfLimit& use, const std::string& axis) {
+    const std::string name = fmt::format("{}{}{}", to_string(use.kind()), axis.empty() ? "" : " ", axis);
+    const UseOfLimit::Worst found = use.worst();
     if (found.use > 1.0 + rounding) wrong(fmt::format("{} is broken: {:.6g} %", name, 100.0 * found.use));
     const auto& limits = result_.check.limits;
-    if (i >= limits.size() || limits[i].kind != kind || limits[i].axis != axis)
+    if (i >= limits.size() || limits[i].kind != use.kind() || limits[i].axis != axis)
       return wrong(fmt::format("limits[{}] should be {}", i, name));
     const LimitUse& recorded = limits[i];
     if (recorded.bound != use.bound())

@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include <accdec/formats/rotary_table.hpp>
+
+namespace accdec {
+namespace {
+
+struct RotaryKey {
+  std::string_view of_linear, key, meaning, unit;
+  double most;
+  std::string_view example;
+  double Axis::*value;
+};
+constexpr std::array<RotaryKey, 5> all_keys{
+    {{"velocity_max_mm_s", "velocity_max_deg_s", "axes a, b, c: largest velocity", "deg/s", 1e6, "180",
+      &Axis::velocity_max},
+     {"acceleration_max_mm_s2", "acceleration_max_deg_s2", "axes a, b, c: largest acceleration", "deg/s^2", 1e8, "2000",
+      &Axis::acceleration_max},
+     {"jerk_max_mm_s3", "jerk_max_deg_s3", "axes a, b, c: largest jerk", "deg/s^3", 1e12, "100000", &Axis::jerk_max},
+     {"mass_kg", "inertia_kg_m2", "axes a, b, c: moved moment of inertia, instead of the mass", "kg m^2", 1e6, "0.8",
+      &Axis::mass},
+     {"force_max_N", "torque_max_N_m", "axes a, b, c: largest torque; needs inertia", "N m", 1e8, "40",
+      &Axis::force_max}}};
+
+}  // namespace
+
+bool is_rotary(std::string_view axis_name) {
+  return axis_name.size() == 1 && std::string_view("abcABC").find(axis_name) != std::string_view::npos;
+}
+
+std::vector<Key> rotary_keys() {
+  std::vector<Key> keys;
+  for (const RotaryKey& one : all_keys)
+    keys.push_back({.name = std::string(one.key),
+                    .meaning = std::string(one.meaning),
+                    .unit = std::string(one.unit),
+                    .range = {0.0, one.most, true},
+                    .fallback = one.value == &Axis::mass ? "0" : "no limit",
+                    .example = std::string(one.example)});
+  return keys;
+}
+
+std::string_view rotary_key(std::string_view key) {
+  const auto found = std::ranges::find(all_keys, key, &RotaryKey::of_linear);
+  return found == all_keys.end() ? key : found->key;
+}
+
+void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::string>& notes) {
+  const bool turns = is_rotary(axis.name);
+  for (const RotaryKey& one : all_keys) {
+    if (table.has(one.key)) {
+      if (!turns)
+        table.fail_at(one.key, fmt::format("`{}` is for rotary axes; allowed on axes named a, b and c", one.key));
+      if (table.has(one.of_linear))
+        table.fail_at(one.key, fmt::format("`{}` and `{}` are both given; allowed is either", one.key, one.of_linear));
+      if (one.key == "torque_max_N_m" && !table.has("inertia_kg_m2") && !table.has("mass_kg"))
+        table.fail_at(one.key, "`torque_max_N_m` can never bind: torque is inertia * acceleration; give inertia_kg_m2");
+      axis.*one.value = *table.number(one.key);
+    } else if (turns && table.has(one.of_linear)) {
+      notes.push_back(fmt::format("`{}` of axis {} counts a degree as a millimetre; `{}` says so", one.of_linear,
+                                  axis.name, one.key));
+    }
+  }
+}
+
+}  // namespace accdec

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <accdec/files/toml_table.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
+
+// Internal: the keys of rotary axes in [[axis]]. Inside, a degree is a millimetre (files/units.hpp).
+
+namespace accdec {
+
+/// Whether an axis of this name turns: a, b or c.
+bool is_rotary(std::string_view axis_name);
+
+/// The keys themselves.
+std::vector<Key> rotary_keys();
+
+/// The key of a limit of a rotary axis, or of its inertia (`mass_kg`); the key itself where there is none.
+std::string_view rotary_key(std::string_view key);
+
+/// Reads the keys into the limits and the mass of the axis.
+/// @param notes  gets a note for a limit that is given in millimetres
+/// @throws InputError at a key of an axis that does not turn, or that is given in both units
+void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::string>& notes);
+
+}  // namespace accdec
