@@ -100,10 +100,8 @@ class Arithmetic(unittest.TestCase):
         rng = random.Random(1)
         for _ in range(2000):
             a, b = (Fraction(rng.randint(-(10**9), 10**9), rng.randint(1, 10**9)) for _ in range(2))
-            for got, true in (
-                (exact(a) + exact(b), a + b), (exact(a) - exact(b), a - b), (exact(a) * exact(b), a * b),
-                (exact(a) / exact(abs(b) + 1), a / (abs(b) + 1)), (exact(a).times(-7), -7 * a),
-            ):
+            for got, true in ((exact(a) + exact(b), a + b), (exact(a) - exact(b), a - b), (exact(a) * exact(b), a * b),
+                              (exact(a) / exact(abs(b) + 1), a / (abs(b) + 1)), (exact(a).times(-7), -7 * a)):
                 self.assertTrue(got.lo <= true * ONE <= got.hi)
             cosine, sine = cos_sin(exact(a))
             one = cosine * cosine + sine * sine
@@ -298,8 +296,7 @@ class Forgeries(unittest.TestCase):
                 self.assertEqual(done.returncode == 0, accepted, done.stdout)
         forged["certificate"]["kind"] = "enumeration"
         for change in (-0.001, 0.001):
-            other = dict(forged, lower_bound_s=forged["lower_bound_s"] + change)
-            self.assertIs(verdict(other)[0], False)
+            self.assertIs(verdict(dict(forged, lower_bound_s=forged["lower_bound_s"] + change))[0], False)
 
     def test_at_random(self):
         """One entry damaged; what is accepted must still be true."""

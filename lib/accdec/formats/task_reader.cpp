@@ -45,7 +45,6 @@ DesignBounds read_design(const Table& table) {
   return bounds;
 }
 
-/// @param notes  see Task
 Axis read_axis(const Table& table, std::vector<std::string>& notes) {
   Axis axis;
   axis.name = table.text("name").value_or("");

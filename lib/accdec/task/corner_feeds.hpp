@@ -33,7 +33,7 @@ class CornerFeeds {
     return std::nullopt;
   }
   double lost(double part) const { return corner_feed_loss(part, lead_); }
-  /// What a corner loses at least, by its error alone.
+  /// The least that a corner loses, by its error alone.
   double least_lost(const TaskCorner& corner) const { return lost(most(corner) * step_); }
 
  private:

@@ -7,8 +7,8 @@
 namespace accdec {
 namespace {
 
-/// The last taps of a filter, or the first ones backwards, as large as they can be and still end: first as many as can
-/// be of the largest, then falling by `step` from tap to tap. By closed forms, as slow axes have millions of taps.
+/// The last taps of a filter, or the first ones backwards, as large as they can be and still end. As many as can be
+/// have the largest size, the next fall by `step` from tap to tap. Closed forms, as slow axes have millions of taps.
 struct Ramp {
   double mass = 0.0, moment = 0.0;  ///< sums of taps, and of taps times their distance (1 for the first)
 
