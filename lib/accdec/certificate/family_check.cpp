@@ -8,9 +8,7 @@
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/family_members.hpp>
-#include <accdec/certificate/member_limits.hpp>
-#include <accdec/machine/response.hpp>
-#include <accdec/task/corner_feed.hpp>
+#include <accdec/certificate/member_ways.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
 
@@ -19,66 +17,6 @@ namespace {
 
 constexpr const char* late = "it could not be checked in the time allowed";
 constexpr double none = std::numeric_limits<double>::infinity();
-
-/// The ways to pass each corner with one member: a delay, or `at_part` more than a multiple of the step of corner
-/// feeds.
-class Ways {
- public:
-  static constexpr int at_part = 1 << 30;
-
-  Ways(const Task& task, const Task& granted, const FamilyMember& member, const MemberLimits& limits)
-      : task_(task),
-        granted_(granted),
-        member_(member),
-        limits_(limits),
-        longest_(limits.longest_delay()),
-        parts_(kind(DelayKind::corner_feed) ? corner_feed_multiples(task.settings->corner_feed_step) : 0),
-        lead_(corner_feed_lead(member.order(), Response(task.machine, task.sample_period).order())),
-        known_(task.corners.size(), std::vector<State>(static_cast<std::size_t>(longest_ + parts_) + 1)) {}
-
-  bool kind(DelayKind wanted) const { return task_.settings->names(wanted); }
-  bool any_delay() const {
-    return task_.settings->delays.empty() || kind(DelayKind::dwell) || kind(DelayKind::timed_axis);
-  }
-  /// Whether a corner may be passed at a part of the feed.
-  bool slows(std::size_t j) const { return parts_ > 0 && task_.corners[j].delay.value_or(0) == 0; }
-
-  int longest() const { return longest_; }               ///< from here on, longer delays change nothing
-  int largest_part() const { return at_part + parts_; }  ///< the cheapest of the parts
-  double part_of(int way) const { return way > at_part ? (way - at_part) * task_.settings->corner_feed_step : 1.0; }
-  double samples_of(int way) const { return way > at_part ? corner_feed_loss(part_of(way), lead_) : way; }
-  /// The least delay at which the legs do not overlap.
-  int apart() const {
-    int first = 0, last = member_.order();
-    while (member_.taps[static_cast<std::size_t>(first)] == 0.0) ++first;
-    while (member_.taps[static_cast<std::size_t>(last)] == 0.0) --last;
-    return last - first;
-  }
-
-  bool holds(std::size_t j, int way) {
-    State& state = known(j, way);
-    if (state == State::unseen) {
-      const bool broken = way > at_part ? limits_.broken_by_corner_feed(granted_.corners[j], part_of(way))
-                                        : limits_.broken_by_blend(granted_.corners[j], std::min(way, longest_));
-      state = broken ? State::shut : State::open;
-    }
-    return state == State::open;
-  }
-  void shut(std::size_t j, int way) { known(j, way) = State::shut; }
-
- private:
-  enum class State : signed char { unseen, shut, open };
-  State& known(std::size_t j, int way) {
-    return known_[j][static_cast<std::size_t>(way > at_part ? longest_ + way - at_part : std::min(way, longest_))];
-  }
-
-  const Task& task_;
-  const Task& granted_;
-  const FamilyMember& member_;
-  const MemberLimits& limits_;
-  int longest_, parts_, lead_;
-  std::vector<std::vector<State>> known_;  ///< of each corner and way
-};
 
 /// Refutes one member.
 class Refutation {
@@ -95,6 +33,8 @@ class Refutation {
         room_(room),
         stop_(stop),
         cost_(cost_of(task)),
+        latency_(task.settings ? static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period))
+                               : 0),
         least_(std::move(least)) {}
 
   /// The rule that refutes it, or empty.
@@ -119,11 +59,19 @@ class Refutation {
  private:
   double cost_of_least() const {
     double sum = 0.0;
-    for (std::size_t j = 0; j < least_.size(); ++j) {
-      const double by_feed = ways_.slows(j) ? ways_.samples_of(ways_.largest_part()) : none;
-      sum += cost_.delay[j] * std::min<double>(least_[j], by_feed);
-    }
+    for (std::size_t j = 0; j < least_.size(); ++j) sum += cost_.delay[j] * least_samples(j);
     return sum;
+  }
+
+  /// Samples that a corner costs at least.
+  double least_samples(std::size_t j) const {
+    const bool any = ways_.any_delay() || !open(j);
+    double least = any ? least_[j] : none;
+    if (!any && ways_.kind(DelayKind::continuous) && least_[j] == 0) least = 0.0;
+    if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
+    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(least_[j], latency_));
+    if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
+    return least;
   }
 
   /// The cheapest way without a width; -1: none.
@@ -161,28 +109,67 @@ class Refutation {
     if (auto found = within(plain)) return found;
     if (ways_.any_delay() || !ways_.kind(DelayKind::in_position)) return std::nullopt;
     const std::vector<double>& left = limits_.way_watched();
-    const int latency = static_cast<int>(std::lround(task_.settings->in_position_latency / task_.sample_period));
-    std::vector<double> widths{none};
+    if (auto found = by_width(none, plain)) return found;
     for (std::size_t j = 0; j < corners; ++j) {
-      for (const double way : left) {
+      // Larger widths give no corner a delay that is long enough, and smaller ones cost too much.
+      const auto too_wide = [&](double to_go) { return !any_in_position(below * to_go * way_of(j)); };
+      const auto cheap = [&](double to_go) { return least_by_width(above * to_go * way_of(j), plain) < room_; };
+      const auto first = std::partition_point(left.begin(), left.end(), too_wide);
+      const auto last = std::partition_point(first, left.end(), cheap);
+      for (auto to_go = first; to_go != last; ++to_go) {
+        if (stop_ && stop_()) throw Rejected(late);
         // On both sides: equal widths of two corners are rounded differently.
-        for (const double factor : {1.0 - 1e-9, 1.0 + 1e-9})
-          widths.push_back(factor * way * task_.corners[j].geometry().feed_in * task_.sample_period);
+        for (const double factor : {below, above}) {
+          if (auto found = by_width(factor * *to_go * way_of(j), plain)) return found;
+        }
       }
-    }
-    for (const double width : widths) {
-      if (stop_ && stop_()) throw Rejected(late);
-      std::vector<int> ways = plain;
-      for (std::size_t j = 0; j < corners; ++j) {
-        const double way = task_.corners[j].geometry().feed_in * task_.sample_period;
-        const auto after = [&](double to_go) { return way * to_go > width; };
-        const int d = latency + static_cast<int>(std::partition_point(left.begin(), left.end(), after) - left.begin());
-        const bool shorter = ways[j] < 0 || d < ways_.samples_of(ways[j]);
-        if (!task_.corners[j].delay && shorter && ways_.holds(j, d)) ways[j] = d;
-      }
-      if (auto found = within(ways)) return found;
     }
     return std::nullopt;
+  }
+
+  /// The way of a full-speed sample of leg 1.
+  double way_of(std::size_t j) const { return task_.corners[j].geometry().feed_in * task_.sample_period; }
+  /// The delay that this width gives a corner.
+  int delay_of(std::size_t j, double width) const {
+    const std::vector<double>& left = limits_.way_watched();
+    const double way = way_of(j);
+    const auto waits = [&](double to_go) { return way * to_go > width; };
+    return latency_ + static_cast<int>(std::partition_point(left.begin(), left.end(), waits) - left.begin());
+  }
+  bool open(std::size_t j) const { return !task_.corners[j].delay; }
+  /// Whether this width gives any corner a delay whose error may hold.
+  bool any_in_position(double width) const {
+    for (std::size_t j = 0; j < least_.size(); ++j) {
+      if (open(j) && delay_of(j, width) >= least_[j]) return true;
+    }
+    return false;
+  }
+  /// The least cost of the delays that this width or a smaller one gives.
+  double least_by_width(double width, const std::vector<int>& plain) const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < plain.size(); ++j) {
+      double samples = plain[j] < 0 ? none : ways_.samples_of(plain[j]);
+      if (open(j)) samples = std::min<double>(samples, std::max(least_[j], delay_of(j, width)));
+      sum += cost_.delay[j] * samples;
+    }
+    return sum;
+  }
+  /// The shorter ones of the ways and the delays of this width, if they hold all limits within the room.
+  std::optional<std::vector<int>> by_width(double width, const std::vector<int>& plain) {
+    std::vector<int> ways = plain, delays;
+    double sum = 0.0;
+    for (std::size_t j = 0; j < ways.size(); ++j) {
+      const double samples = ways[j] < 0 ? none : ways_.samples_of(ways[j]);
+      const int d = open(j) ? delay_of(j, width) : -1;
+      delays.push_back(d >= least_[j] && d < samples ? d : -1);
+      sum += cost_.delay[j] * (delays[j] >= 0 ? delays[j] : samples);
+    }
+    // Limits take all samples: only where the cost leaves it open.
+    if (sum >= room_) return std::nullopt;
+    for (std::size_t j = 0; j < ways.size(); ++j) {
+      if (delays[j] >= 0 && ways_.holds(j, delays[j])) ways[j] = delays[j];
+    }
+    return within(ways);
   }
 
   std::optional<std::vector<int>> within(const std::vector<int>& ways) const {
@@ -213,6 +200,8 @@ class Refutation {
     return false;
   }
 
+  static constexpr double below = 1.0 - 1e-9, above = 1.0 + 1e-9;
+
   const Task& task_;
   const Task& granted_;
   const FamilyMember& member_;
@@ -221,6 +210,7 @@ class Refutation {
   double room_;
   const std::function<bool()>& stop_;
   LinearCost cost_;
+  int latency_;             ///< samples, of an in-position check
   std::vector<int> least_;  ///< of each corner: every shorter delay breaks its error bound
 };
 

@@ -3,6 +3,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <accdec/certificate/member_limits.hpp>
 #include <accdec/machine/limits.hpp>
@@ -39,7 +40,7 @@ double on_curve(const Axis& axis, double speed, double force) {
 }
 
 /// The value that a limit bounds: the checker's own list.
-double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
+inline double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
   if (axis.coulomb > 0.0 && std::abs(s.motion_v) <= hardly_moving * s.feed &&
       (kind == LimitKind::force || kind == LimitKind::power || kind == LimitKind::regeneration ||
        kind == LimitKind::force_speed))
@@ -64,11 +65,17 @@ double value_of(LimitKind kind, const Sampled& s, const Axis& axis) {
   return 0.0;
 }
 
+/// Every sample of every leg passes here: kinds are constants, so that the compiler leaves one list of comparisons.
+template <std::size_t... i>
+std::optional<LimitKind> first_broken(const Axis& axis, const Sampled& s, std::index_sequence<i...>) {
+  std::optional<LimitKind> kind;
+  (void)((value_of(axis_limits[i].kind, s, axis) > axis.*axis_limits[i].bound && (kind = axis_limits[i].kind, true)) ||
+         ...);
+  return kind;
+}
+
 std::optional<LimitKind> broken(const Axis& axis, const Sampled& sampled) {
-  for (const AxisLimit& limit : axis_limits) {
-    if (axis.*limit.bound < unlimited && value_of(limit.kind, sampled, axis) > axis.*limit.bound) return limit.kind;
-  }
-  return std::nullopt;
+  return first_broken(axis, sampled, std::make_index_sequence<axis_limits.size()>{});
 }
 
 double at(const std::vector<double>& values, int k) {
@@ -81,28 +88,6 @@ double tap(const FamilyMember& member, int i) {
 double way_gone(const FamilyMember& member, int m) {
   return m <= 0 ? 0.0 : at(member.way_gone, m) + std::max(0, m - member.order() - 1);
 }
-
-/// What bounds a member's acceleration and jerk at any speed.
-struct Steepness {
-  double tap = 0.0, step = 0.0;  ///< the largest tap, and the largest difference of neighbours
-
-  explicit Steepness(const FamilyMember& member) {
-    double before = 0.0;
-    for (const double now : member.taps) {
-      tap = std::max(tap, now);
-      step = std::max(step, std::abs(now - before));
-      before = now;
-    }
-    step = std::max(step, before);
-  }
-  /// Whether a leg at this speed keeps the limits by more than rounding.
-  bool surely_holds(const Axis& axis, double speed, double period) const {
-    constexpr double below = 1.0 - 1e-9;
-    return std::min({axis.force_max, axis.power_max, axis.regeneration_max, axis.force_speed_max}) >= unlimited &&
-           speed <= below * axis.velocity_max && speed * tap <= below * axis.acceleration_max * period &&
-           speed * step <= below * axis.jerk_max * period * period;
-  }
-};
 
 /// The least delay up to `last` that is not too far; too_far holds below a delay.
 template <class TooFar>
@@ -128,6 +113,28 @@ FamilyMember behind(const FamilyMember& member, const std::vector<double>& respo
 
 }  // namespace
 
+/// What bounds a member's acceleration and jerk at any speed.
+struct MemberLimits::Steepness {
+  double tap = 0.0, step = 0.0;  ///< the largest tap, and the largest difference of neighbours
+
+  explicit Steepness(const FamilyMember& member) {
+    double before = 0.0;
+    for (const double now : member.taps) {
+      tap = std::max(tap, now);
+      step = std::max(step, std::abs(now - before));
+      before = now;
+    }
+    step = std::max(step, before);
+  }
+  /// Whether a leg at this speed keeps the limits by more than rounding.
+  bool surely_holds(const Axis& axis, double speed, double period) const {
+    constexpr double below = 1.0 - 1e-9;
+    return std::min({axis.force_max, axis.power_max, axis.regeneration_max, axis.force_speed_max}) >= unlimited &&
+           speed <= below * axis.velocity_max && speed * tap <= below * axis.acceleration_max * period &&
+           speed * step <= below * axis.jerk_max * period * period;
+  }
+};
+
 MemberLimits::MemberLimits(const Task& granted, const FamilyMember& member, const CheckedResponse& response)
     : granted_(granted), member_(member), servo_(response.servo()) {
   if (response.smoothing().size() > 1) command_ = behind(member, response.smoothing());
@@ -142,29 +149,50 @@ const FamilyMember& MemberLimits::motion() const {
 }
 
 std::optional<LimitKind> MemberLimits::broken_by_legs() const {
-  const FamilyMember& commanded = command();
-  const Steepness steep(commanded);
-  const double period = granted_.sample_period;
+  const Steepness steep(command());
+  if (legs_hold_together(steep)) return std::nullopt;
   for (const TaskCorner& corner : granted_.corners) {
     const Corner& g = corner.geometry();
     for (std::size_t x = 0; x < granted_.machine.axes.size(); ++x) {
-      const Axis& axis = granted_.machine.axes[x];
       const auto e = static_cast<Eigen::Index>(x);
-      const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e],
-                   feed = std::max(std::abs(in), std::abs(out));
-      if (steep.surely_holds(axis, feed, period)) continue;
-      const FamilyMember& moved = motion();
-      for (int k = 0; k <= longest_delay(); ++k) {
-        const double now = tap(commanded, k - 1) / period, before = tap(commanded, k - 2) / period,
-                     then = tap(moved, k - 1) / period;
-        const Sampled start{
-            in * at(commanded.gone, k), in * now, in * before, in * at(moved.gone, k), in * then, period, feed};
-        if (const auto limit = broken(axis, start)) return limit;
-        const Sampled stop{
-            out * at(commanded.left, k), -out * now, -out * before, out * at(moved.left, k), -out * then, period, feed};
-        if (const auto limit = broken(axis, stop)) return limit;
-      }
+      const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e];
+      if (const auto limit = broken_by_leg(steep, granted_.machine.axes[x], in, out)) return limit;
     }
+  }
+  return std::nullopt;
+}
+
+/// Without dry friction a slower leg breaks no limit that a faster one holds.
+bool MemberLimits::legs_hold_together(const Steepness& steep) const {
+  for (std::size_t x = 0; x < granted_.machine.axes.size(); ++x) {
+    if (granted_.machine.axes[x].coulomb > 0.0) return false;
+    double in = 0.0, out = 0.0;
+    for (const TaskCorner& corner : granted_.corners) {
+      const Corner& g = corner.geometry();
+      const auto e = static_cast<Eigen::Index>(x);
+      in = std::max(in, std::abs(g.feed_in * g.direction_in[e]));
+      out = std::max(out, std::abs(g.feed_out * g.direction_out[e]));
+    }
+    if (broken_by_leg(steep, granted_.machine.axes[x], in, out)) return false;
+  }
+  return true;
+}
+
+/// An axis that starts at one velocity and stops from the other.
+std::optional<LimitKind> MemberLimits::broken_by_leg(const Steepness& steep, const Axis& axis, double in,
+                                                     double out) const {
+  const double period = granted_.sample_period, feed = std::max(std::abs(in), std::abs(out));
+  if (steep.surely_holds(axis, feed, period)) return std::nullopt;
+  const FamilyMember &commanded = command(), &moved = motion();
+  for (int k = 0; k <= longest_delay(); ++k) {
+    const double now = tap(commanded, k - 1) / period, before = tap(commanded, k - 2) / period,
+                 then = tap(moved, k - 1) / period;
+    const Sampled start{
+        in * at(commanded.gone, k), in * now, in * before, in * at(moved.gone, k), in * then, period, feed};
+    if (const auto limit = broken(axis, start)) return limit;
+    const Sampled stop{
+        out * at(commanded.left, k), -out * now, -out * before, out * at(moved.left, k), -out * then, period, feed};
+    if (const auto limit = broken(axis, stop)) return limit;
   }
   return std::nullopt;
 }
@@ -270,13 +298,18 @@ bool MemberLimits::too_far(const TaskCorner& corner, int delay) const {
   const Corner& g = corner.geometry();
   const double period = granted_.sample_period, cosine = g.cos_interior();
   const double allowed = *corner.error_max * *corner.error_max * (1.0 + 1e-9);
-  for (int k = 0; k <= moved.order() + delay + 2; ++k) {
-    const double p = g.feed_in * period * at(moved.way_left, k);
-    // The nearest, if that is farther along leg 2.
-    const double q = std::max(g.feed_out * period * way_gone(moved, k - delay), -p * cosine);
-    if (p * p + q * q + 2.0 * p * q * cosine <= allowed) return false;
-  }
-  return true;
+  // Over a range of samples, leg 1 is at least as far away as at its end and leg 2 as at its beginning.
+  const auto all_far = [&](const auto& self, int first, int last) -> bool {
+    double p = g.feed_in * period * at(moved.way_left, last), q = g.feed_out * period * way_gone(moved, first - delay);
+    // The nearest, if one is farther along its leg.
+    q = std::max(q, -p * cosine);
+    p = std::max(p, -q * cosine);
+    if (p * p + q * q + 2.0 * p * q * cosine > allowed) return true;
+    if (first == last) return false;
+    const int middle = first + (last - first) / 2;
+    return self(self, first, middle) && self(self, middle + 1, last);
+  };
+  return all_far(all_far, 0, moved.order() + delay + 2);
 }
 
 int MemberLimits::least_delay(const TaskCorner& corner) const {

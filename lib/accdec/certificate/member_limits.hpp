@@ -41,6 +41,9 @@ class MemberLimits {
  private:
   const FamilyMember& command() const { return command_ ? *command_ : member_; }
   const FamilyMember& motion() const;
+  struct Steepness;
+  bool legs_hold_together(const Steepness& steep) const;
+  std::optional<LimitKind> broken_by_leg(const Steepness& steep, const Axis& axis, double in, double out) const;
   double left(double frequency, double damping) const;
   bool too_far(const TaskCorner& corner, int delay) const;
 

@@ -5,9 +5,9 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/blend_check.hpp>
-#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/delays_by_formula.hpp>
+#include <accdec/task/least_delays.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
 
@@ -27,30 +27,6 @@ bool names(const std::vector<DelayKind>& kinds, DelayKind kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-/// In-position of one filter, as the control measures it.
-class InPosition {
- public:
-  /// @param behind  of the designed filter
-  InPosition(const FilterBehind& behind, const Task& task)
-      : watched_(task.settings->in_position_actual ? behind.motion() : behind.command()),
-        period_(task.sample_period),
-        latency_(static_cast<int>(std::lround(task.settings->in_position_latency / period_))) {}
-
-  int latency() const { return latency_; }  ///< samples
-  /// Samples of leg 1 from its command's end until nothing is left of it.
-  int longest() const { return DelayFinder(watched_).exact_stop_delay(); }
-  /// The remaining way of leg 1 so many samples after its command's end, m: with a smaller width the next block waits
-  /// longer.
-  double way_left(const TaskCorner& corner, int samples) const {
-    return corner.geometry().feed_in * period_ * watched_.remaining_moment(samples);
-  }
-
- private:
-  const Filter& watched_;
-  double period_;
-  int latency_;
-};
-
 /// See the public one. @param mask  one per corner: whether it is in-position
 std::optional<WidthInterval> width_of(const InPosition& in_position, const Task& task, const std::vector<int>& delays,
                                       const std::vector<bool>& mask) {
@@ -66,73 +42,21 @@ std::optional<WidthInterval> width_of(const InPosition& in_position, const Task&
   return width;
 }
 
-/// Corners at parts of the feed with one filter.
-class CornerFeeds {
- public:
-  CornerFeeds(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits)
-      : behind_(behind),
-        task_(task),
-        limits_(limits),
-        step_(task.settings->corner_feed_step),
-        lead_(corner_feed_lead(filter.order(), behind.longer())) {}
-
-  /// The largest part at which a corner holds its limits and loses less than `samples`; none: there is none.
-  std::optional<double> largest(const TaskCorner& corner, double samples, const std::function<bool()>& stop) const {
-    int multiple = corner_feed_multiples(step_);
-    if (corner.error_max) {
-      // The error is in proportion to the feed.
-      const double error = corner_error(Blend(behind_.motion(), corner.geometry(), 0, task_.sample_period));
-      const double most = *corner.error_max * (1.0 + 1e-6) + position_floor;
-      if (multiple * step_ * error > most) multiple = static_cast<int>(most / (step_ * error));
-    }
-    for (; multiple > 0; --multiple) {
-      const double part = multiple * step_;
-      if (lost(part) >= samples || (stop && stop())) return std::nullopt;
-      if (holds(corner, part)) return part;
-    }
-    return std::nullopt;
-  }
-  double lost(double part) const { return corner_feed_loss(part, lead_); }
-
- private:
-  /// The motion has settled between the steps of the command, so that each is a corner by itself.
-  bool holds(const TaskCorner& corner, double part) const {
-    const Corner& g = corner.geometry();
-    TaskCorner slow = corner;
-    slow.set_feeds(part * g.feed_in, part * g.feed_out);
-    return BlendCheck(behind_.motion(), slow, task_, limits_).holds(0) &&
-           step_holds(g.direction_in, g.feed_in, part * g.feed_in) &&
-           step_holds(g.direction_out, part * g.feed_out, g.feed_out);
-  }
-  bool step_holds(const Eigen::VectorXd& along, double before, double after) const {
-    const std::vector<double> direction(along.begin(), along.end());
-    const TaskCorner straight("", DirectedLegs{direction, direction}, before, after,
-                              static_cast<int>(direction.size()));
-    return BlendCheck(behind_.motion(), straight, task_, limits_).holds(0);
-  }
-
-  const FilterBehind& behind_;
-  const Task& task_;
-  const BlendLimits& limits_;
-  double step_;
-  int lead_;
-};
-
 /// Looks for the cheapest delays of a filter of which everything but the blends holds.
 class KindChoice {
  public:
-  /// @param behind  the filter behind the machine's response
-  KindChoice(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits,
-             double samples, const std::function<bool()>& stop)
+  /// @param behind  the filter behind the machine's response  @param least  of the same filter; it is kept
+  KindChoice(const Filter& filter, const FilterBehind& behind, const LeastDelays& least, const Task& task,
+             const BlendLimits& limits, double samples, const std::function<bool()>& stop)
       : filter_(filter),
-        in_position_(behind, task),
-        corner_feeds_(filter, behind, task, limits),
+        least_(least),
+        in_position_(least.in_position()),
+        corner_feeds_(least.corner_feeds()),
         task_(task),
         kinds_(task.settings->delays),
         cost_(cost_of(task)),
         stop_(stop),
-        apart_(DelayFinder(filter).exact_stop_delay()),
-        last_(apart_ + behind.longer() + settling),
+        last_(least.apart() + behind.longer() + settling),
         best_(samples) {
     for (const TaskCorner& corner : task.corners) checks_.emplace_back(behind.motion(), corner, task, limits);
     known_.assign(checks_.size(), std::vector<signed char>(static_cast<std::size_t>(last_) + 1, -1));
@@ -140,7 +64,6 @@ class KindChoice {
 
   std::optional<KindDelays> run() {
     for (std::size_t j = 0; j < checks_.size(); ++j) others_.push_back(with_corner_feed(j, other_kinds(j)));
-    none_else_ = std::all_of(others_.begin(), others_.end(), [](const Choice& c) { return c.delay < 0; });
     offer(std::vector<int>(checks_.size(), -1));
     if (names(kinds_, DelayKind::in_position)) every_width();
     if (!found_ || late_) return std::nullopt;
@@ -156,11 +79,21 @@ class KindChoice {
     int delay = -1;  ///< -1: there is none
     DelayKind kind = DelayKind::continuous;
     double part = 1.0;  ///< of the feed
+    double lost = 0.0;  ///< samples, by that part
+    double samples() const { return delay < 0 ? unlimited : delay + lost; }
   };
 
-  /// Samples that a choice costs the corner.
-  double samples_of(const Choice& choice) const {
-    return choice.delay < 0 ? unlimited : choice.delay + (choice.part < 1.0 ? corner_feeds_.lost(choice.part) : 0.0);
+  /// The least cost of all corners with their other kinds, or these delays by the width.
+  /// @param growing  the delays may grow
+  double least_cost(const std::vector<int>& by_width, bool growing) const {
+    double sum = cost_.filter * (filter_.order() + 1);
+    for (std::size_t j = 0; j < others_.size(); ++j) {
+      double samples = others_[j].samples();
+      if (!task_.corners[j].delay && (growing || by_width[j] >= least_.of(j)))
+        samples = std::min<double>(samples, std::max(by_width[j], least_.of(j)));
+      sum += cost_.delay[j] * samples;
+    }
+    return sum;
   }
 
   bool holds(std::size_t j, int delay) {
@@ -187,15 +120,15 @@ class KindChoice {
     for (const DelayKind free : {DelayKind::dwell, DelayKind::timed_axis}) {
       if (!names(kinds_, free)) continue;
       const int last = given.value_or(last_);
-      for (int d = given.value_or(0); d <= last && !late_; ++d) {
+      for (int d = least_.of(j); d <= last && !late_; ++d) {
         if (!holds(j, d)) continue;
-        const bool stops = d >= apart_ && names(kinds_, DelayKind::exact_stop);
+        const bool stops = d >= least_.apart() && names(kinds_, DelayKind::exact_stop);
         return {d, stops ? DelayKind::exact_stop : free};
       }
     }
     if (names(kinds_, DelayKind::exact_stop)) {
       // An exact stop waits for the command, whatever the servo still has to go.
-      for (int d = apart_; d <= apart_ + exact_stop_more && !late_; ++d) {
+      for (int d = least_.apart(); d <= least_.apart() + exact_stop_more && !late_; ++d) {
         if (given.value_or(d) == d && holds(j, d)) return {d, DelayKind::exact_stop};
       }
     }
@@ -205,14 +138,15 @@ class KindChoice {
   /// This choice, or a part of the feed if that loses less.
   Choice with_corner_feed(std::size_t j, const Choice& choice) {
     if (late_ || !names(kinds_, DelayKind::corner_feed) || task_.corners[j].delay.value_or(0) != 0) return choice;
-    const double room = std::min(samples_of(choice), best_ / cost_.delay[j]);
+    const double room = std::min(choice.samples(), best_ / cost_.delay[j]);
     const auto part = corner_feeds_.largest(task_.corners[j], room, stop_);
-    return part ? Choice{0, DelayKind::corner_feed, *part} : choice;
+    return part ? Choice{0, DelayKind::corner_feed, *part, corner_feeds_.lost(*part)} : choice;
   }
 
   /// Takes for every corner the shorter of both kinds, if all have one and they cost least. The limits are looked at
   /// only where errors alone leave that open.
   void offer(const std::vector<int>& by_width) {
+    if (least_cost(by_width, false) >= best_) return;
     if (const auto open = chosen(by_width, &KindChoice::error_holds); !open) return;
     if (auto choice = chosen(by_width, &KindChoice::holds)) found_ = std::move(choice), best_ = cost_of_choice(*found_);
   }
@@ -226,12 +160,12 @@ class KindChoice {
     std::vector<double> parts;
     double lost = 0.0;
     for (std::size_t j = 0; j < others_.size(); ++j) {
-      const bool shorter = by_width[j] >= 0 && !task_.corners[j].delay && by_width[j] < samples_of(others_[j]);
+      const bool shorter = by_width[j] >= 0 && !task_.corners[j].delay && by_width[j] < others_[j].samples();
       if (shorter && (this->*held)(j, by_width[j])) {
         delays.push_back(by_width[j]), kinds.push_back(DelayKind::in_position), parts.push_back(1.0);
       } else if (others_[j].delay >= 0) {
         delays.push_back(others_[j].delay), kinds.push_back(others_[j].kind), parts.push_back(others_[j].part);
-        if (parts.back() < 1.0) lost += cost_.delay[j] * corner_feeds_.lost(parts.back());
+        lost += cost_.delay[j] * others_[j].lost;
       } else {
         return std::nullopt;
       }
@@ -244,6 +178,8 @@ class KindChoice {
 
   /// From the widest on, one step of one or more delays after another.
   void every_width() {
+    std::vector<int> delays(checks_.size(), in_position_.latency());
+    if (least_cost(delays, true) >= best_) return;
     struct Step {
       double width;
       std::size_t corner;
@@ -254,28 +190,27 @@ class KindChoice {
       for (int d = 0; d < longest; ++d) steps.push_back({in_position_.way_left(task_.corners[j], d), j});
     }
     std::sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.width > b.width; });
-    std::vector<int> delays(checks_.size(), in_position_.latency());
     offer(delays);
     for (std::size_t i = 0; i < steps.size() && !late_;) {
       const double width = steps[i].width;
       for (; i < steps.size() && steps[i].width >= width * (1.0 - same_width); ++i) ++delays[steps[i].corner];
       late_ = late_ || (stop_ && stop_());
+      if (least_cost(delays, true) >= best_) return;
       offer(delays);
-      if (none_else_ && cost_(filter_.order(), delays) >= best_) return;
     }
   }
 
   const Filter& filter_;
-  InPosition in_position_;
-  CornerFeeds corner_feeds_;
+  const LeastDelays& least_;
+  const InPosition& in_position_;
+  const CornerFeeds& corner_feeds_;
   const Task& task_;
   const std::vector<DelayKind>& kinds_;
   LinearCost cost_;
   const std::function<bool()>& stop_;
-  int apart_;  ///< the least delay at which the commands of the legs do not overlap
-  int last_;   ///< longer delays change nothing
+  int last_;  ///< longer delays change nothing
   double best_;
-  bool late_ = false, none_else_ = false;
+  bool late_ = false;
   std::vector<BlendCheck> checks_;
   std::vector<std::vector<signed char>> known_;  ///< of each corner and delay: -1 until it is checked, only_error, 0, 1
   std::vector<Choice> others_;
@@ -298,9 +233,10 @@ std::optional<KindDelays> delays_of_kinds(const Filter& filter, const Task& task
     return KindDelays{*delays, {}, std::nullopt};
   }
   const BlendLimits limits(filter, task.machine, task.sample_period);
-  if (!holds_without_blends(limits, filter, task, stop)) return std::nullopt;
   const FilterBehind behind(filter, task.machine, task.sample_period);
-  return KindChoice(filter, behind, task, limits, samples, stop).run();
+  const LeastDelays least(filter, behind, task, limits);
+  if (least.cost() >= samples || !holds_without_blends(limits, filter, task, stop)) return std::nullopt;
+  return KindChoice(filter, behind, least, task, limits, samples, stop).run();
 }
 
 }  // namespace accdec

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <accdec/corner.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/task.hpp>
+#include <accdec/task/blend_check.hpp>
+#include <accdec/task/corner_feeds.hpp>
+#include <accdec/task/objective.hpp>
+
+// Internal to the room: what delays of a controller's kinds cost at least with one filter.
+
+namespace accdec {
+
+/// In-position of one filter, as the control measures it.
+class InPosition {
+ public:
+  /// @param behind  of the designed filter
+  InPosition(const FilterBehind& behind, const Task& task)
+      : watched_(task.settings->in_position_actual ? behind.motion() : behind.command()),
+        period_(task.sample_period),
+        latency_(static_cast<int>(std::lround(task.settings->in_position_latency / period_))) {}
+
+  int latency() const { return latency_; }  ///< samples
+  /// Samples of leg 1 from its command's end until nothing is left of it.
+  int longest() const { return DelayFinder(watched_).exact_stop_delay(); }
+  /// The remaining way of leg 1 so many samples after its command's end, m: with a smaller width the next block waits
+  /// longer.
+  double way_left(const TaskCorner& corner, int samples) const {
+    return corner.geometry().feed_in * period_ * watched_.remaining_moment(samples);
+  }
+
+ private:
+  const Filter& watched_;
+  double period_;
+  int latency_;
+};
+
+/// Bounds by the corners' errors alone: most filters are too slow by them, before any limit is looked at.
+class LeastDelays {
+ public:
+  /// References are kept. @param behind  the filter behind the machine's response
+  LeastDelays(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits)
+      : task_(task),
+        order_(filter.order()),
+        apart_(filter.last_nonzero_tap() - filter.first_nonzero_tap()),
+        in_position_(behind, task),
+        corner_feeds_(filter, behind, task, limits) {
+    const DelayFinder smallest(behind.motion());
+    for (const TaskCorner& corner : task.corners) {
+      least_.push_back(corner.delay.value_or(0));
+      if (corner.delay || !corner.error_max) continue;
+      const Corner& g = corner.geometry();
+      const double allowed = std::max(*corner.error_max * formula_slack, position_floor) * (1.0 + 1e-9);
+      least_.back() =
+          smallest(g.cos_interior(), g.feed_in * task.sample_period, g.feed_out * task.sample_period, allowed);
+    }
+  }
+
+  const InPosition& in_position() const { return in_position_; }
+  const CornerFeeds& corner_feeds() const { return corner_feeds_; }
+  /// The least delay at which the commands of the legs do not overlap.
+  int apart() const { return apart_; }
+  /// A corner's error is too large with shorter delays; given delays as they are.
+  int of(std::size_t corner) const { return least_[corner]; }
+
+  /// Samples of the objective that the filter and delays of the task's kinds cost at least.
+  double cost() const {
+    const LinearCost linear = cost_of(task_);
+    double sum = linear.filter * (order_ + 1);
+    for (std::size_t j = 0; j < least_.size(); ++j) sum += linear.delay[j] * samples(j);
+    return sum;
+  }
+
+ private:
+  double samples(std::size_t j) const {
+    const auto names = [&](DelayKind kind) { return task_.settings->names(kind); };
+    const std::optional<int> given = task_.corners[j].delay;
+    double least = unlimited;
+    if (names(DelayKind::continuous) && least_[j] == 0) return 0.0;
+    if (names(DelayKind::dwell) || names(DelayKind::timed_axis)) least = least_[j];
+    if (names(DelayKind::exact_stop)) least = std::min<double>(least, given.value_or(apart_));
+    if (names(DelayKind::in_position) && !given)
+      least = std::min<double>(least, std::max(least_[j], in_position_.latency()));
+    if (names(DelayKind::corner_feed) && given.value_or(0) == 0)
+      least = std::min(least, corner_feeds_.least_lost(task_.corners[j]));
+    return least;
+  }
+
+  const Task& task_;
+  int order_, apart_;
+  InPosition in_position_;
+  CornerFeeds corner_feeds_;
+  std::vector<int> least_;
+};
+
+}  // namespace accdec
