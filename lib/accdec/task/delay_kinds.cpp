@@ -83,7 +83,7 @@ class KindChoice {
     double samples() const { return delay < 0 ? unlimited : delay + lost; }
   };
 
-  /// What all corners cost at least with their other kinds, or these delays by the width.
+  /// The least cost of all corners with their other kinds, or these delays by the width.
   /// @param growing  the delays may grow
   double least_cost(const std::vector<int>& by_width, bool growing) const {
     double sum = cost_.filter * (filter_.order() + 1);
