@@ -294,9 +294,7 @@ class Forgeries(unittest.TestCase):
                 file.flush()
                 done = subprocess.run([BINARY, "verify", file.name], capture_output=True, timeout=120)
                 self.assertEqual(done.returncode == 0, accepted, done.stdout)
-        forged["certificate"]["kind"] = "enumeration"
-        for change in (-0.001, 0.001):
-            self.assertIs(verdict(dict(forged, lower_bound_s=forged["lower_bound_s"] + change))[0], False)
+        self.assertIs(verdict(dict(forged, certificate={"kind": "enumeration"}, lower_bound_s=0.086))[0], False)
 
     def test_at_random(self):
         """One entry damaged; what is accepted must still be true."""

@@ -52,6 +52,7 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   refuse("compare suite.toml --out none", "suite.toml:20:7: the task with these keys set: ");
   suite("\"ipopt\"");
   EXPECT_THAT(run("compare suite.toml --out /proc/none").output, HasSubstr("/proc/none: cannot be created: "));
+  refuse("instances suite.toml --format nl --out ''", "the name of the folder for results is empty");
   refuse("compare suite.toml", "--out DIR");
   refuse("compare --redraw none", "no raw data");
   fs::create_directories(home_ / "mine");

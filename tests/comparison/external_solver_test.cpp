@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
+
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -11,7 +15,6 @@
 #include <accdec/comparison/external_answer.hpp>
 #include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/suite_file.hpp>
-#include <accdec/files/limited_process.hpp>
 
 #include "compare_command.hpp"
 
@@ -82,6 +85,8 @@ TEST_F(ExternalScript, BadAnswersFailWithTheReason) {
              {"yes 1 | head -100000 | (echo solved; cat) > \"$2\"", "more than"},
              {"printf 'solved\\n1\\nzwei\\n' > \"$2\"", "\"zwei\" where a number belongs"},
              {"printf 'done\\n' > \"$2\"", "no claim"},
+             {"echo solved > \"$2\"", "claims a solution, but its answer has no values"},
+             {"mkfifo \"$2\"", "wrote no answer"},
              {"ln -s /dev/zero \"$2\"", "wrote no answer"},
              {"mkdir \"$2\"", "wrote no answer"}};
   for (const auto& [script, message] : bad) {
@@ -128,14 +133,16 @@ TEST_F(ExternalScript, HangingPrintingAndForkingEndsWithinTheLimit) {
       0);
 }
 
-TEST_F(ExternalScript, LargeFilesAreCutOff) {
-  ProcessLimits limits;
-  limits.seconds = 20.0;
-  limits.most_file_bytes = 100'000;
-  const LimitedOutput output =
-      run_limited({"dd", "if=/dev/zero", "of=large", "bs=1000", "count=1000000"}, home_.string(), limits);
-  EXPECT_LE(std::filesystem::file_size(home_ / "large"), 100'000u);
-  EXPECT_THAT(output.stopped, HasSubstr("wrote a file of more than 100000 bytes"));
+TEST(ExternalCommandWords, QuotesGroupAndPlacesAreFilled) {
+  using Words = std::vector<std::string>;
+  const std::map<std::string, std::string> places{{"nl", "/a b/{answer}"}, {"answer", "out"}};
+  EXPECT_EQ(comparison::command_words(" x  {nl}\t-o={answer} ", places), (Words{"x", "/a b/{answer}", "-o=out"}));
+  EXPECT_EQ(comparison::command_words("sh -c 'm \"{nl}\" > {answer}' '' \"it's\"", places),
+            (Words{"sh", "-c", "m \"/a b/{answer}\" > out", "", "it's"}));
+  EXPECT_EQ(comparison::command_words("awk '{{print}}'", places), (Words{"awk", "{print}"}));
+  for (const char* bad : {"x {foo}", "x {answer", "x }", "x {", "x {}", "x {nl {answer}", "x 'a", "x \"a' {nl}"}) {
+    EXPECT_THROW(comparison::command_words(bad, places), std::invalid_argument) << bad;
+  }
 }
 
 class ExternalCommand : public testing::CompareCommand {};
@@ -273,6 +280,12 @@ TEST_F(ExternalCommand, SuitesAreCheckedBeforeAnythingRuns) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.output, HasSubstr("suite.toml:"));
   EXPECT_THAT(outcome.output, HasSubstr("cbf"));
+  suite(R"(["ipopt"])", "[[external]]\nname = \"a\"\ncommand = \"s {nl} {foo}\"\n");
+  outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, ::testing::ContainsRegex("suite.toml:[0-9]+:11: \"\\{foo\\}\" in `command` stands for "
+                                                       "nothing; allowed are \\{answer\\}, \\{nl\\}"));
+  EXPECT_FALSE(std::filesystem::exists(home_ / "out"));
 }
 
 // cvxopt, started as a program, reaches the reference of the exact method.

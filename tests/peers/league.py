@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import shlex
+import shutil
 import signal
 import string
 import subprocess
@@ -228,7 +229,7 @@ def judged(planner, case, jerks, options):
 def main():
     options = arguments()
     takers = planners(options)
-    if not os.access(options.accdec, os.X_OK):
+    if not shutil.which(options.accdec):
         sys.exit("--accdec: %s cannot be run; it makes programs of the league" % options.accdec)
     try:
         options.out.mkdir(parents=True, exist_ok=True)

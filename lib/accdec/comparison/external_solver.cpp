@@ -1,14 +1,18 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <ranges>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/comparison/external_answer.hpp>
 #include <accdec/comparison/external_solver.hpp>
@@ -52,26 +56,6 @@ bool has_binary(const instances::Instance& instance) {
   return std::any_of(instance.variables.begin(), instance.variables.end(), [](const auto& v) { return v.binary; });
 }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-    text.replace(at, what.size(), by);
-  return text;
-}
-
-/// The words of a command with its places filled in.
-std::vector<std::string> words_of(const External& external, const std::string& problem, const std::string& answer,
-                                  double seconds) {
-  std::vector<std::string> words;
-  std::istringstream command(external.command);
-  for (std::string word; command >> word;) {
-    word = replaced(word, "{" + external.reads + "}", problem);
-    word = replaced(word, "{answer}", answer);
-    word = replaced(word, "{seconds}", fmt::format("{:g}", seconds));
-    words.push_back(replaced(word, "{suite}", external.folder));
-  }
-  return words;
-}
-
 std::string last_line(const std::string& output) {
   std::istringstream in(output);
   std::string last;
@@ -90,6 +74,42 @@ std::string content_of(const fs::path& path) {
 }
 
 }  // namespace
+
+std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places) {
+  std::vector<std::string> words;
+  std::string word;
+  bool begun = false;
+  char quote = 0;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    const char c = command[i];
+    if (quote ? c != quote : std::isspace(static_cast<unsigned char>(c)) == 0) begun = true;
+    if (quote ? c == quote : c == '\'' || c == '"') {
+      quote = quote ? '\0' : c;
+    } else if (!quote && std::isspace(static_cast<unsigned char>(c)) != 0) {
+      if (begun) words.push_back(std::exchange(word, {}));
+      begun = false;
+    } else if (c != '{' && c != '}') {
+      word += c;
+    } else if (command.substr(i + 1, 1) == std::string(1, c)) {
+      word += c;
+      ++i;
+    } else {
+      const std::size_t end = command.find('}', i);
+      const std::string name = command.substr(i + 1, end == std::string::npos ? end : end - i - 1);
+      const auto place = c == '{' && end != std::string::npos ? places.find(name) : places.end();
+      if (place == places.end())
+        throw std::invalid_argument(
+            fmt::format("\"{}\" in `command` stands for nothing; allowed are {{{}}}; other braces are doubled",
+                        command.substr(i, std::min<std::size_t>(name.size() + 2, 20)),
+                        fmt::join(std::views::keys(places), "}, {")));
+      word += place->second;
+      i = end;
+    }
+  }
+  if (quote) throw std::invalid_argument(fmt::format("a quote {} in `command` has no end", quote));
+  if (begun) words.push_back(word);
+  return words;
+}
 
 solvers::Capabilities ExternalSolver::capabilities() const {
   solvers::Capabilities can;
@@ -122,9 +142,14 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
   const ScratchFolder folder;
   const fs::path file = folder / ("problem." + external_.reads), answer_file = folder / "problem.sol";
   std::ofstream(file, std::ios::binary) << text.content;
-  const std::vector<std::string> words = words_of(external_, file.string(), answer_file.string(), options.time_limit);
+  const std::vector<std::string> words =
+      command_words(external_.command, {{external_.reads, file.string()},
+                                        {"answer", answer_file.string()},
+                                        {"seconds", fmt::format("{:g}", options.time_limit)},
+                                        {"suite", external_.folder}});
   ProcessLimits limits;
   limits.seconds = options.time_limit;
+  limits.folder_goes = true;
   try {
     const LimitedOutput output = run_limited(words, folder.string(), limits);
     result.wall_time = output.seconds;
@@ -139,6 +164,8 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
     result.claim = answer.claim;
     if (!answer.message.empty()) result.message = answer.message;
+    if (answer.x.empty() && (answer.claim == Claim::solved || answer.claim == Claim::acceptable))
+      throw std::invalid_argument("it claims a solution, but its answer has no values");
     if (answer.x.empty()) return result;
     if (!std::all_of(answer.x.begin(), answer.x.end(), [](double v) { return std::isfinite(v); })) {
       result.claim = Claim::invalid_number;

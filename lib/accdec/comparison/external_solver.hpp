@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct External {
   std::string answer;   ///< sol: AMPL's solution file; values: a word, then one number for each variable; names
   std::string folder;   ///< of the suite, for {suite}
 };
+
+/// The words of a command. Spaces outside of quotes ('..' or "..") split it. {name} is replaced by the value of the
+/// place with this name; {{ and }} are braces of the command itself.
+/// @throws std::invalid_argument if a {name} is no place, or a brace or quote stands alone
+std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places);
 
 /// Runs it for every problem in a folder of its own, with the limits of `run_limited`. The time limit is that of the
 /// options. Its answer is judged like every other. It gets problems in sparse form only.

@@ -190,8 +190,8 @@ std::vector<Key> external_keys() {
       required(text_key("name", "name in tables and figures", "", "\"my solver\"")),
       required(text_key(
           "command",
-          "program and arguments, without a shell; {nl}, {mps} or {cbf} (the problem), {answer}, {seconds} and "
-          "{suite} (its folder) are replaced",
+          "program and arguments, without a shell; quotes keep spaces; {nl}, {mps} or {cbf} (the problem), {answer}, "
+          "{seconds} and {suite} (its folder) are replaced; other braces are doubled",
           "", "\"couenne {nl} -AMPL\"")),
       word("reads",
            "format of the problem, as in `accdec instances`; `mps` holds whole designs only, the others every problem "

@@ -88,6 +88,11 @@ Competitor read_external(const Table& table, const std::string& folder) {
                                 folder};
   if (external.command.find("{" + external.reads + "}") == std::string::npos)
     table.fail_at("command", fmt::format("`command` needs {{{}}}, the place of the problem's file", external.reads));
+  try {
+    comparison::command_words(external.command, {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", ""}});
+  } catch (const std::invalid_argument& error) {
+    table.fail_at("command", error.what());
+  }
   Competitor c;
   c.name = external.name;
   c.solver = "external";

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/signalfd.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -93,6 +95,72 @@ void limit(decltype(RLIMIT_CPU) what, rlim_t value) {
   ::_exit(127);
 }
 
+int code_of(int status) {
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// The words of the program, its folder and its limits.
+struct Start {
+  const std::vector<char*>& argv;
+  const std::string& folder;
+  const ProcessLimits& limits;
+};
+
+/// Waits until the program ends, or the caller closes its end of the lifeline. @return the program's exit code
+int wait_for(pid_t program, int lifeline, int ended) {
+  for (int status = 0;;) {
+    if (::waitpid(program, &status, WNOHANG) == program) return code_of(status);
+    std::array<pollfd, 2> either{{{lifeline, POLLIN, 0}, {ended, POLLIN, 0}}};
+    ::poll(either.data(), either.size(), -1);
+    if (either[0].revents != 0) return 128 + SIGKILL;
+    signalfd_siginfo taken{};
+    while (::read(ended, &taken, sizeof taken) > 0) {
+    }
+  }
+}
+
+/// Stands between the caller and the program, in a group of its own. It kills all that the program started when the
+/// program ends, or when the lifeline closes: so nothing outlives the caller, however the caller ends.
+[[noreturn]] void stand_guard(const Start& start, Pipe& output, Pipe& errors, Pipe& lifeline) {
+  ::setpgid(0, 0);
+  lifeline.close(1);
+  sigset_t child_ends;
+  sigemptyset(&child_ends);
+  sigaddset(&child_ends, SIGCHLD);
+  ::sigprocmask(SIG_BLOCK, &child_ends, nullptr);
+  const int ended = ::signalfd(-1, &child_ends, SFD_CLOEXEC | SFD_NONBLOCK);
+  int code = 127;
+  {
+    OrphanCare care;
+    const pid_t program = ::fork();
+    if (program == 0) become(start.argv, start.folder, start.limits, output.ends[1], errors.ends[1]);
+    if (program < 0) {
+      const int error = errno;
+      [[maybe_unused]] const ssize_t sent = ::write(errors.ends[1], &error, sizeof error);
+    }
+    output.close(1);
+    errors.close(1);
+    if (program > 0) {
+      ::setpgid(program, program);
+      care.guard(program);
+      code = wait_for(program, lifeline.ends[0], ended);
+    }
+  }
+  pollfd caller{lifeline.ends[0], POLLIN, 0};
+  std::error_code ignored;
+  if (start.limits.folder_goes && ::poll(&caller, 1, 0) > 0) std::filesystem::remove_all(start.folder, ignored);
+  ::_exit(code);
+}
+
+/// Lets the guard end what it guards. A guard that the program has stopped is killed by the care of the caller.
+void release(Pipe& lifeline, pid_t guard) {
+  lifeline.close(1);
+  for (int tries = 0; tries < 500; ++tries) {
+    if (::waitpid(guard, nullptr, WNOHANG) != 0) return;
+    ::usleep(2000);
+  }
+}
+
 /// Reads until the program ends, its output ends and it is waited for, or a limit is broken.
 void watch(pid_t child, int output, const ProcessLimits& limits, Clock::time_point began, LimitedOutput& result) {
   ::fcntl(output, F_SETFL, O_NONBLOCK);
@@ -112,7 +180,7 @@ void watch(pid_t child, int output, const ProcessLimits& limits, Clock::time_poi
       return;
     }
     if (ended) {
-      result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      result.exit_code = code_of(status);
       if (result.exit_code == 128 + SIGXFSZ)
         result.stopped = fmt::format("it wrote a file of more than {} bytes", limits.most_file_bytes);
       return;
@@ -134,22 +202,24 @@ LimitedOutput run_limited(const std::vector<std::string>& arguments, const std::
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  Pipe output, errors;
+  Pipe output, errors, lifeline;
   OrphanCare care;
   const auto began = Clock::now();
-  const pid_t child = ::fork();
-  if (child < 0) throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(errno)));
-  if (child == 0) become(argv, folder, limits, output.ends[1], errors.ends[1]);
-  ::setpgid(child, child);
-  care.guard(child);
+  const pid_t guard = ::fork();
+  if (guard < 0) throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(errno)));
+  if (guard == 0) stand_guard({argv, folder, limits}, output, errors, lifeline);
+  ::setpgid(guard, guard);
+  care.guard(guard);
   output.close(1);
   errors.close(1);
+  lifeline.close(0);
   int error = 0;
   if (::read(errors.ends[0], &error, sizeof error) == sizeof error)
     throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(error)));
   LimitedOutput result;
-  watch(child, output.ends[0], limits, began, result);
+  watch(guard, output.ends[0], limits, began, result);
   result.seconds = seconds_since(began);
+  if (!result.stopped.empty()) release(lifeline, guard);
   return result;
 }
 

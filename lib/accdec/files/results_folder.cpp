@@ -55,6 +55,7 @@ void require_folder(const std::string& path) {
 
 /// Makes a folder and removes it again, with the parents that it needed.
 void require_creatable(const std::string& folder) {
+  if (folder.empty()) throw OutputError("the name of the folder for results is empty; give the name of a folder");
   std::vector<fs::path> missing;
   for (fs::path at = fs::absolute(folder).lexically_normal(); !at.empty() && !fs::exists(at); at = at.parent_path())
     missing.push_back(at);
