@@ -24,7 +24,7 @@ TEST_F(ProgramResult, IsVerifiedFromItsOwnCommands) {
     const Outcome checked = verify();
     EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
     EXPECT_THAT(checked.out, StartsWith("accepted: "));
-    EXPECT_THAT(checked.out, HasSubstr("read again: every programmed point in order"));
+    EXPECT_THAT(checked.out, HasSubstr("read again: the plan passes its points in order"));
   }
 }
 

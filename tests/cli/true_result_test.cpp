@@ -94,7 +94,7 @@ TEST_F(ProfilesResult, NoValueOfTheSummaryCanBeForged) {
   const Outcome checked = verify();
   EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
   EXPECT_THAT(checked.out, StartsWith("accepted: "));
-  EXPECT_THAT(checked.out, HasSubstr("read again: every programmed point in order"));
+  EXPECT_THAT(checked.out, HasSubstr("read again: the plan passes its points in order"));
   std::vector<Json::json_pointer> all;
   for (const auto& [name, value] : good_.items()) {
     if (name != "inputs" && name != "commands" && checked.out.find(name) == std::string::npos)

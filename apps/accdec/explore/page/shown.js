@@ -2,6 +2,7 @@
 import { History } from "./history.js";
 
 const names = ["plan", "by", "view", "time", "corner", "at"];
+const dragged = ["view", "time"];
 
 export class Shown {
   /** show(now, before): called with the new state and the one before, of texts by `names`; "" is what a page begins with. */
@@ -32,12 +33,12 @@ export class Shown {
     this.toAddress();
   }
 
-  /** Changes of the same name within a second are undone together. */
+  /** What is dragged changes many times; its changes within a second are undone together. */
   set(change) {
     const next = { ...this.now, ...change };
     const changed = names.filter((name) => next[name] !== this.now[name]).join();
     if (!changed) return;
-    const together = changed === this.last && Date.now() - this.when < 1000;
+    const together = dragged.includes(changed) && changed === this.last && Date.now() - this.when < 1000;
     this.put(next, together);
     Object.assign(this, { last: changed, when: Date.now() });
   }
