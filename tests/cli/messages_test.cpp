@@ -86,6 +86,12 @@ TEST(Cli, SettingsOfAControllerAreTheFirstAnswer) {
                                                   "(0.2059 to 0.2529). 44 ms a corner, proved best for this family."));
   EXPECT_EQ(run({"verify", result}).code, 0);
   EXPECT_EQ(run({"design", task, "--solver", "ipopt"}).code, 2);
+  std::string text = folder.read("t.toml");
+  const std::string family = "family = \"averages\"\n[controller]\n";
+  text.replace(text.find(family), family.size(), "[controller]\nname = \"fanuc-0i\"\n");
+  const Outcome named = run({"design", folder.write("named.toml", text)});
+  EXPECT_EQ(named.code, 0) << named.err;
+  EXPECT_THAT(named.out, HasSubstr("proved best for this control."));
   const std::string program = folder.write("p.ngc", "G64 P0.05 F3000\nG1 X20\nG1 Y20\nM2\n");
   const Outcome planned = run({"program", program, "--task", task});
   EXPECT_EQ(planned.code, 0) << planned.err;

@@ -42,7 +42,7 @@ std::string program_of(int kind, unsigned seed) {
 class FreeBesideFixed : public ::testing::TestWithParam<int> {};
 
 TEST_P(FreeBesideFixed, IsNeverSlower) {
-  for (unsigned seed = 1; seed <= unsigned{test_support::tries(8)}; ++seed) {
+  for (unsigned seed = 1; seed <= unsigned{test_support::tries(4)}; ++seed) {
     Task task;
     task.sample_period = two_ms;
     task.machine = test::machine_of(1.0, seed % 2 == 0 ? 40.0 : unlimited);

@@ -8,6 +8,7 @@
 #include <accdec/formats/explanation.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/task/not_considered.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
@@ -177,12 +178,12 @@ std::string explanation_text(const Explanation& e, bool samples) {
     std::vector<int> delays;
     for (const CornerResult& corner : e.base.corners) delays.push_back(corner.delay);
     const bool whole = e.base.task.design.objective == Objective::cycle;
-    text +=
-        fmt::format("{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times",
-                    ms(e.base.objective()), e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
-                    e.base_proved        ? e.base.settings ? "proved best for this family" : "proved to be the shortest"
-                    : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
-                                         : "nothing is proved");
+    text += fmt::format(
+        "{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times", ms(e.base.objective()),
+        e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
+        e.base_proved ? e.base.settings ? proved_best_in_words(*e.base.task.settings) : "proved to be the shortest"
+        : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
+                             : "nothing is proved");
     text += gain_text(e) + "\n" + binding_text(e, samples);
   } else {
     text += fmt::format("No design{}: {}\n", e.base_proved ? ", proved" : "", e.base.message);

@@ -131,6 +131,10 @@ std::string families_in_words(const ControllerSettings& settings) {
   return listed(families);
 }
 
+std::string proved_best_in_words(const ControllerSettings& settings) {
+  return fmt::format("proved best for this {}", settings.controller.empty() ? "family" : "control");
+}
+
 std::string width_in_words(const WidthInterval& width) {
   const std::string high = width.high < unlimited ? fmt::format("{:.4g}", 1e3 * width.high) : "any larger";
   constexpr double smallest = 1e-9;  // m: below any encoder's step
@@ -184,8 +188,9 @@ std::string settings_answer(const DesignResult& result) {
   const double time = result.objective();
   std::string text = fmt::format("Set these: {}{}. ", settings_in_words(*result.settings), delays_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
-  text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all",
-                      result.status == Status::optimal ? "proved best for this family" : "not proved best");
+  text +=
+      fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all",
+                  result.status == Status::optimal ? proved_best_in_words(*result.task.settings) : "not proved best");
   text += beside_taps(result);
   if (result.savings) {
     const double today = result.savings->today, saved = result.savings->total;
