@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <ranges>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -51,6 +50,13 @@ class ScratchFolder {
  private:
   fs::path path_;
 };
+
+/// "{nl}, {answer}"
+std::string allowed_words(const std::map<std::string, std::string>& places) {
+  std::vector<std::string> words;
+  for (const auto& [name, value] : places) words.push_back("{" + name + "}");
+  return fmt::format("{}", fmt::join(words, ", "));
+}
 
 bool has_binary(const instances::Instance& instance) {
   return std::any_of(instance.variables.begin(), instance.variables.end(), [](const auto& v) { return v.binary; });
@@ -99,9 +105,8 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
       const auto place = c == '{' && end != std::string::npos ? places.find(name) : places.end();
       if (place == places.end())
         throw std::invalid_argument(
-            fmt::format("\"{}\" in `command` stands for nothing; allowed are {{{}}}; other braces are doubled",
-                        command.substr(i, std::min<std::size_t>(name.size() + 2, 20)),
-                        fmt::join(std::views::keys(places), "}, {")));
+            fmt::format("\"{}\" in `command` stands for nothing; allowed are {}; other braces are doubled",
+                        command.substr(i, std::min<std::size_t>(name.size() + 2, 20)), allowed_words(places)));
       word += place->second;
       i = end;
     }
@@ -110,6 +115,33 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
   if (begun) words.push_back(word);
   return words;
 }
+
+namespace {
+
+/// What the solver's answer says, into the result.
+/// @throws std::exception  where it cannot be read, or is not of the problem
+void take_answer(const ExternalAnswer& answer, const instances::Text& text, const nlp::Problem& problem,
+                 solvers::Result& result) {
+  result.claim = answer.claim;
+  if (!answer.message.empty()) result.message = answer.message;
+  if (answer.x.empty() && (answer.claim == Claim::solved || answer.claim == Claim::acceptable))
+    throw std::invalid_argument("it claims a solution, but its answer has no values");
+  if (answer.x.empty()) return;
+  if (!std::all_of(answer.x.begin(), answer.x.end(), [](double v) { return std::isfinite(v); })) {
+    result.claim = Claim::invalid_number;
+    result.message = "its answer has a number that is not finite";
+    return;
+  }
+  for (std::size_t i = 0; i < answer.x.size(); ++i) {
+    if (const auto variable = static_cast<std::size_t>(text.variables[i]); variable < result.x.size())
+      result.x[variable] = answer.x[i];
+  }
+  result.claimed_objective = problem.objective(result.x);  // this also records the point
+  std::vector<double> rows(static_cast<std::size_t>(problem.num_rows()));
+  problem.rows(result.x, rows);
+}
+
+}  // namespace
 
 solvers::Capabilities ExternalSolver::capabilities() const {
   solvers::Capabilities can;
@@ -162,23 +194,7 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
     const bool printed = external_.answer == "names" && external_.command.find("{answer}") == std::string::npos;
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
-    result.claim = answer.claim;
-    if (!answer.message.empty()) result.message = answer.message;
-    if (answer.x.empty() && (answer.claim == Claim::solved || answer.claim == Claim::acceptable))
-      throw std::invalid_argument("it claims a solution, but its answer has no values");
-    if (answer.x.empty()) return result;
-    if (!std::all_of(answer.x.begin(), answer.x.end(), [](double v) { return std::isfinite(v); })) {
-      result.claim = Claim::invalid_number;
-      result.message = "its answer has a number that is not finite";
-      return result;
-    }
-    for (std::size_t i = 0; i < answer.x.size(); ++i) {
-      if (const auto variable = static_cast<std::size_t>(text.variables[i]); variable < n)
-        result.x[variable] = answer.x[i];
-    }
-    result.claimed_objective = problem.objective(result.x);  // this also records the point
-    std::vector<double> rows(static_cast<std::size_t>(problem.num_rows()));
-    problem.rows(result.x, rows);
+    take_answer(answer, text, problem, result);
   } catch (const std::exception& error) {
     result.claim = Claim::failed;
     result.message = fmt::format("{}{}{}", error.what(), result.message.empty() ? "" : "; ", result.message);
