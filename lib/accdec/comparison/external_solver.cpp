@@ -118,7 +118,7 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
 
 namespace {
 
-/// What the solver's answer says, into the result.
+/// Takes the solver's answer over into the result.
 /// @throws std::exception  where it cannot be read, or is not of the problem
 void take_answer(const ExternalAnswer& answer, const instances::Text& text, const nlp::Problem& problem,
                  solvers::Result& result) {
