@@ -275,7 +275,8 @@ int main(void) {{
         run(accdec, "--quiet", "verify", "whole.json")
 
     def test_free_taps_at_their_limits_have_a_fixed_point_form(self):
-        for name, format, bits in [("acceleration-jerk", "q31", 31), ("exact-stop", "q31", 31), ("exact-stop", "q15", 15)]:
+        cases = [("acceleration-jerk", "q31", 31), ("exact-stop", "q31", 31), ("exact-stop", "q15", 15)]
+        for name, format, bits in cases:
             text = (problems / "corner" / f"{name}.toml").read_text()
             free = made(text, "tight.toml", "tight.json")
             self.assertIn(b"Designed again by this export", export(format, "tight.json"))

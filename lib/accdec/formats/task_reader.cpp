@@ -192,9 +192,7 @@ std::vector<Axis> name_axes(const std::vector<Axis>& given, std::size_t count, b
     if (axes[i].name.empty() || (given.size() < 2 && count > 1)) axes[i].name = task_keys::axis_names[i];
   }
   if (program && given.size() == 1) {
-    std::erase_if(axes, [&](const Axis& axis) {
-      return std::string_view("abc").find(axis.name) != std::string_view::npos && axis.name != given.front().name;
-    });
+    std::erase_if(axes, [&](const Axis& axis) { return is_rotary(axis.name) && axis.name != given.front().name; });
   }
   return axes;
 }

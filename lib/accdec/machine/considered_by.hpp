@@ -9,7 +9,6 @@ namespace accdec {
 inline constexpr std::string_view considered_by =
     "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, `accdec design` and "
     "`accdec explain` do unless there are `coefficient_bits`. `accdec program` considers `prefilter_taps`, one servo "
-    "of "
-    "all axes, friction, curves and the supply with `--plan fixed`";
+    "of all axes, friction, curves and the supply with `--plan fixed`";
 
 }  // namespace accdec

@@ -101,8 +101,7 @@ class Planning {
   void cool() {
     const auto check = [this](ScheduledPlan& plan) {
       plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
-      settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
-      if (!corner_feeds_had(plan.path, programmed_, plan.plan.delays, feed_step_)) plan.plan.delays_had = false;
+      settle(plan);
     };
     if (cool_drives(best_, filter_, task_.sample_period, machine_, check, deadline_))
       result_.cycle_time_kept.reset();  // that plan was not held against the ratings
@@ -196,10 +195,14 @@ class Planning {
   double seconds(const ProgramPlan& plan) const {
     return static_cast<double>(plan.simulation.samples) * task_.sample_period;
   }
-  void offer(ScheduledPlan plan, bool feeds_chosen) {
-    relax_stops(plan);
+  /// Delays as the control can give them, and whether it can.
+  void settle(ScheduledPlan& plan) const {
     settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
     if (!corner_feeds_had(plan.path, programmed_, plan.plan.delays, feed_step_)) plan.plan.delays_had = false;
+  }
+  void offer(ScheduledPlan plan, bool feeds_chosen) {
+    relax_stops(plan);
+    settle(plan);
     const bool first = best_.plan.delays.empty();
     // If arcs are to be widened, a plan that widens them is better than a faster one that does not.
     const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();

@@ -8,6 +8,7 @@
 
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/units.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/samples.hpp>
@@ -18,10 +19,6 @@
 namespace accdec {
 namespace {
 
-bool turns(std::string_view axis) {
-  return axis.size() == 1 && std::string_view("ABCabc").find(axis) != std::string_view::npos;
-}
-
 /// Unit of a limit's value for people. Rotary axes are in degrees where the others are in millimetres, and have torques
 /// where the others have forces.
 struct ShownUnit {
@@ -30,8 +27,8 @@ struct ShownUnit {
 };
 ShownUnit unit_of(LimitKind kind, std::string_view axis) {
   ShownUnit unit{std::string(limit_name(kind).unit), limit_name(kind).per_si};
-  if (turns(axis) && unit.name.starts_with("mm")) unit.name.replace(0, 2, "deg");
-  if (turns(axis) && unit.name == "N") unit = {"N m", 1.0 / radians_per_metre};
+  if (is_rotary(axis) && unit.name.starts_with("mm")) unit.name.replace(0, 2, "deg");
+  if (is_rotary(axis) && unit.name == "N") unit = {"N m", 1.0 / radians_per_metre};
   return unit;
 }
 
@@ -208,7 +205,7 @@ class SummaryText {
     for (const AxisLoad& load : result_.loads) {
       const auto [unit, per_si] = unit_of(LimitKind::force, load.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",
-          turns(load.axis) ? "torque" : "force", load.axis, per_si * load.peak, per_si * load.rms, unit,
+          is_rotary(load.axis) ? "torque" : "force", load.axis, per_si * load.peak, per_si * load.rms, unit,
           load.rms_max < unlimited ? fmt::format(", {:.1f} % of its rating", 100.0 * load.rms / load.rms_max) : "");
     }
   }
