@@ -345,8 +345,8 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
       .add_option("--plan", options.plan,
                   "fixed: one filter for the whole program. profiles: a filter and a speed for every corner, for "
                   "controllers that take a position every cycle (--samples, --stream). profiles also makes the plan "
-                  "fixed and returns the faster one, by name. free: begins with profiles and shortens windows of its "
-                  "samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
+                  "fixed and returns the faster one, by name. free: begins with the faster one and shortens windows of "
+                  "its samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
                   "--time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
       ->check(one_of({"fixed", "profiles", "free"}))
