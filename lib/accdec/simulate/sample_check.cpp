@@ -77,7 +77,7 @@ double SampleChecker::value_of(const Worst& worst) const {
     case LimitKind::force: return std::abs(force()) - rounded();
     case LimitKind::power: return force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
     case LimitKind::regeneration: return -force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
-    case LimitKind::force_speed:  // programs refuse it
+    case LimitKind::force_speed:  // plans of trajectories refuse it
     case LimitKind::vibration:
     case LimitKind::residual:
     case LimitKind::corner_error:
