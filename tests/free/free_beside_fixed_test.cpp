@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/plan/free/free_motion.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
@@ -54,8 +56,8 @@ TEST_P(FreeBesideFixed, IsNeverSlower) {
     ProgramFile file;
     file.path = test::path_of(program, task.machine);
     ProgramFile again = file;
-    const ProgramResult fixed = run_program_file("test", file, task, {}, {});
-    const ProgramResult free = run_free_plan("test", again, task, {}, {}, {});
+    const ProgramResult fixed = run_fixed_plan("test", file, task, {}, {});
+    const ProgramResult free = run_free_plan("test", again, task, {}, {});
     ASSERT_TRUE(free.verification.feasible) << free.message << program;
     EXPECT_THAT(verify_program_result(free, task).reasons, testing::IsEmpty()) << program;
     ASSERT_TRUE(fixed.verification.feasible) << fixed.message << program;

@@ -13,8 +13,6 @@
 #include <pybind11/stl.h>
 
 #include <accdec/plan/filters/program_settings.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_page.hpp>
@@ -49,13 +47,6 @@ std::function<void(const std::string&)> teller(const Work& work) {
   };
 }
 
-FreeOptions free_options(const Work& work) {
-  FreeOptions free;
-  free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
-  return free;
-}
-
 /// @param how  "fixed"; "profiles": that or fixed, whichever is the faster; "free"
 Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const ProgramFileOptions& options,
              const std::string& how, const Asked& estimates, const py::object& progress) {
@@ -64,20 +55,15 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
       [=](const Work& work) {
         ProgramFileOptions asked = options;
         asked.deadline.end_when(work.cancelled);
+        asked.plan = how == "free" ? PlanKind::free : how == "profiles" ? PlanKind::profiles : PlanKind::fixed;
+        asked.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        asked.free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
         ProgramFile read = read_program_file(file, *task, asked, teller(work));
         Toolpath programmed = read.path;
-        const double chords = read.reading.read.arc_tolerance;
         std::vector<ControlEstimate> estimated =
             estimate_times(programmed, task->machine, estimates.controls, estimates.given);
-        ProgramResult found = how == "free" ? run_free_plan(file, read, *task, asked, free_options(work), teller(work))
-                              : how == "profiles" ? run_fastest_plan(file, read, *task, asked, teller(work))
-                                                  : run_program_file(file, read, *task, asked, teller(work));
+        ProgramResult found = run_program_file(file, read, *task, asked, teller(work));
         found.estimates = std::move(estimated);
-        // The bounds are of motions, and the time behind a servo is that of the command.
-        if (!found.servo && !found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
-          found.corner_bound = read.reading.read.arc_tolerance == chords
-                                   ? corner_bound_of(programmed, *task, asked.deadline)
-                                   : corner_bound_as_read({}, chords, file, read, *task, asked);
         *result = std::make_shared<Program>(std::move(found), std::move(programmed), task->machine);
       },
       progress);
@@ -315,8 +301,8 @@ void bind_program(py::module_& module) {
         options.tools.length = tool_length;
         options.rapid_stops = rapid_stops;
         options.dwells_before_filter = dwells_before_filter;
-        options.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
-        options.filter_bound = filter_bound;
+        options.fixed.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
+        options.fixed.filter_bound = filter_bound;
         options.compensate_arcs = compensate_arcs;
         options.time_limit = time_limit;
         if (time_limit) options.deadline = Deadline(*time_limit);

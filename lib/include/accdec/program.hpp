@@ -281,15 +281,33 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
                                       const std::function<void(const std::string&)>& progress,
                                       const Deadline& deadline = {});
 
+/// The plans of a program. fixed: one filter for all of it. profiles: a filter and a speed at every corner, or one
+/// filter if that is faster. free: a position for every sample.
+enum class PlanKind { fixed, profiles, free };
+
+/// Options of plan fixed.
+struct FixedOptions {
+  Feeds feeds = Feeds::choose;
+  bool filter_bound = false;  ///< see run_program
+};
+
+/// Options of plan free. Its answer depends on the time limit only.
+struct FreeOptions {
+  int threads = 1;                                             ///< that shorten the motion
+  int sweeps = 10;                                             ///< over all samples, at most
+  std::function<void(double seconds, double share)> progress;  ///< time gained so far, part of the work done
+};
+
 /// How a program file is read and planned. Unset options follow from the task and the feeds.
 struct ProgramFileOptions {
+  PlanKind plan = PlanKind::fixed;
   std::optional<double> arc_tolerance;  ///< m, largest distance of a chord from its arc; none: chord_tolerance, 2 um
                                         ///< where feeds are kept, which does not see accelerations along an arc
   bool compensate_arcs = false;         ///< the commanded radius is widened, see compensate_arcs
   ProgramTools tools;                   ///< for programs that rs274 has to run
   bool rapid_stops = false, dwells_before_filter = false;  ///< see ToolpathOptions
-  Feeds feeds = Feeds::choose;
-  bool filter_bound = false;         ///< see run_program
+  FixedOptions fixed;
+  FreeOptions free;
   std::optional<double> time_limit;  ///< s, for all: a filter gets half of it; none: a filter 2 s and 5 ms a block, at
                                      ///< most 60, and planning as long as it takes
   Deadline deadline;                 ///< of `time_limit`, from when the command began
@@ -317,27 +335,18 @@ double chord_tolerance(const Task& task);
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell);
 
-/// Chooses the filter, plans and verifies what was read. The filter is the task's, the one in a program that --emit
-/// wrote, or one designed for the program. If none holds, the result is failed and says why.
+/// Plans and verifies what was read, as `accdec program` does, with the bounds of any motion.
 ///
-/// If arcs were read in finer chords than kept feeds need (see ProgramFileOptions), the program is also planned with
-/// the longer chords. The faster plan is the answer: under long filters fine chords are no better, and kept feeds need
-/// the longer ones. If the filter was designed for chosen feeds, the plan of kept feeds with its own filter is a
-/// candidate, too: chosen feeds are never slower. With compensated arcs the program is first planned without
-/// compensation. If that is faster, it is the answer, and ProgramResult::compensation says so.
+/// * fixed: the filter is the task's, the one in a program that --emit wrote, or one designed for the program. If none
+///   holds, the result has no plan and says why.
+/// * profiles: programs of up to `several_plans_max` blocks are also planned with one filter. The answer is the faster
+///   of the plans that hold all limits, with the time of the other as its candidate. If none holds, it is the plan
+///   profiles with a message.
+/// * free: the fastest of these plans, shortened sample by sample. If nothing is gained, it is the answer.
 /// @param file  its path is taken; its `reading` becomes that of the answer
 /// @param tell  one line a step, may be empty
+/// @throws std::invalid_argument  for a limit or an option that the plan does not keep, by name
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
-
-/// `accdec program --plan profiles`. Programs of up to `several_plans_max` blocks are also planned with one filter. The
-/// answer is the faster of the plans that hold all limits, with the time of the other as its candidate.
-/// If none holds, it is the plan profiles with a message.
-/// @param file     as read; its `reading` becomes that of the answer
-/// @param options  for the plan beside it
-/// @param tell     one line a step, may be empty
-/// @throws std::invalid_argument as run_profiles, and for Feeds::keep, because its ramps choose the feeds
-ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec

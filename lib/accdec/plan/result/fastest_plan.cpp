@@ -10,6 +10,7 @@
 #include <accdec/files.hpp>
 #include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 
 namespace accdec {
 PlanTime time_of(const ProgramResult& r) {
@@ -60,7 +61,7 @@ namespace {
 
 ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task& task,
                           const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
-  if (options.feeds == Feeds::keep) {
+  if (options.fixed.feeds == Feeds::keep) {
     throw std::invalid_argument(
         "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
   }
@@ -77,7 +78,7 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   std::optional<AlongPlan> along;
   if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
   ProgramFile copy = file;
-  ProgramResult other = run_program_file(name, copy, task, options, tell);
+  ProgramResult other = run_fixed_plan(name, copy, task, options, tell);
   ProgramResult& best = along ? along->result : profiles;
   if (along) along->result.candidates = {time_of(profiles)};
   if (other.plan.empty()) {

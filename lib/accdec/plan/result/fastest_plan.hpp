@@ -18,6 +18,16 @@ void require_plan(const ProgramResult& result);
 /// @param arc_tolerance  m, that the path was read with
 void leave_room_for_arcs(Toolpath& path, double arc_tolerance);
 
+/// Plan profiles, or one filter if that is faster. Programs of up to `several_plans_max` blocks are also planned with
+/// one filter. The answer is the faster of the plans that hold all limits, with the time of the other as its candidate.
+/// If none holds, it is the plan profiles with a message.
+/// @param file     as read; its `reading` becomes that of the answer
+/// @param options  for the plan beside it
+/// @param tell     one line a step, may be empty
+/// @throws std::invalid_argument as run_profiles, and for Feeds::keep, because its ramps choose the feeds
+ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
+
 /// Plan profiles of a program, with room in its tolerances for what chords leave of their arcs.
 /// @param arc_tolerance  m, that the path was read with
 ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,

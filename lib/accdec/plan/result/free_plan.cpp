@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
+#include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
@@ -20,7 +22,7 @@ namespace {
 }
 
 void refuse_options(const Toolpath& path, const ProgramFileOptions& options) {
-  if (options.feeds == Feeds::keep)
+  if (options.fixed.feeds == Feeds::keep)
     refuse("takes F as an upper bound and chooses the speed of every sample", "only plan fixed keeps feeds");
   if (!path.given.empty()) refuse("takes no delays from the program", "leave out --dwells-before-filter");
 }
@@ -62,7 +64,7 @@ std::optional<ProgramResult> fixed_beside(const std::string& name, ProgramFile& 
     options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
     options.deadline = options.deadline.within(*options.time_limit);
   }
-  ProgramResult fixed = run_program_file(name, file, task, options, {});
+  ProgramResult fixed = run_fixed_plan(name, file, task, options, {});
   if (fixed.plan.empty() || !fixed.verification.feasible) return {};
   return fixed;
 }
@@ -86,10 +88,10 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const std::optional<Pro
 }
 
 /// The beginning with its samples shortened; the beginning itself where nothing is gained.
-ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine, const FreeOptions& free,
-                        const std::function<void(const std::string&)>& tell) {
+ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine,
+                        const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
-  const FreeReport report = shorten_motion(tube, begun.samples, free);
+  const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   if (report.ended && tell) tell("ended early with the best motion so far");
   ProgramResult result = with_samples(profiles, begun.samples);
   const std::string broken = judge_free_motion(result, machine);
@@ -106,8 +108,7 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
 }  // namespace
 
 ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
-                            const ProgramFileOptions& options, FreeOptions free,
-                            const std::function<void(const std::string&)>& tell) {
+                            const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   refuse_options(file.path, options);
   refuse_limits(task, file.path);
   const auto start = std::chrono::steady_clock::now();
@@ -139,10 +140,9 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
     if (tell) tell(no_motion + ": the plan stays what it is");
     return answer(std::move(profiles));
   }
-  free.deadline = options.deadline;
   const Machine machine = program_machine(task.machine, profiles.plan.path);
   AlongPlan begun = fastest_samples(profiles, fixed, task, options.deadline);
-  ProgramResult result = shortened(profiles, std::move(begun), machine, free, tell);
+  ProgramResult result = shortened(profiles, std::move(begun), machine, options, tell);
   if (options.compensate_arcs)
     result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
   return answer(std::move(result));

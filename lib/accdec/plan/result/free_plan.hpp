@@ -3,7 +3,6 @@
 #include <functional>
 #include <string>
 
-#include <accdec/plan/free/free_motion.hpp>
 #include <accdec/program.hpp>
 
 namespace accdec {
@@ -12,13 +11,11 @@ namespace accdec {
 /// one filter, shortened by convex programmes over its samples. Verified; where nothing is gained, or the check of all
 /// samples refuses it, the answer is the plan it began with. Programs with arcs are also planned with one filter; if
 /// that is faster, it is the answer.
-/// @param file  as read; its `reading` becomes that of the answer  @param free  threads, cancel and progress; the
-/// deadline is that of `options`
+/// @param file  as read; its `reading` becomes that of the answer
 /// @param tell  one line a step, may be empty
 /// @throws std::invalid_argument for a limit that this plan does not keep, by name, and for options that it does not
 ///         take
 ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
-                            const ProgramFileOptions& options, FreeOptions free,
-                            const std::function<void(const std::string&)>& tell);
+                            const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec
