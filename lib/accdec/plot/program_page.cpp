@@ -32,7 +32,7 @@ std::string rows_of(const ProgramView& view) {
   return rows;
 }
 
-/// m/s; 0 where there are rapid moves only. Where a feed move blends with a rapid one, its feed counts.
+/// m/s; 0 where there are rapid moves only. If a feed move blends with a rapid one, its feed counts.
 double fastest_feed_move(const Toolpath& path, const ProgramMotion& motion) {
   PathFollower follower(path);
   double fastest = 0.0;

@@ -30,7 +30,7 @@ const limitsKey = (plan) =>
     return make("span", {}, swatch, ` ${i < 0 ? program.other : program.limits[i]} `);
   });
 
-/** Where a corner opens: the explorer with the corner as its task. */
+/** The address that a corner opens: the explorer with the corner as its task. */
 const addressOf = (corner) => `index.html${taskAddress({ ...program.base, corner: [corner.corner] })}`;
 
 const scene = new Scene($("#path canvas"), showMark, (place) => {
@@ -115,7 +115,7 @@ function step(way, { min, max }) {
   showMark(Math.min(last, Math.max(first, from + way)));
 }
 
-/** What binds, as a bar along the foot of the chart, in the limit's colour. */
+/** The limit that binds, as a bar along the foot of the chart, in that limit's colour. */
 function bars(chart, plan) {
   const { ctx, bbox } = chart;
   ctx.save();

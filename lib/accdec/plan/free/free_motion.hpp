@@ -20,7 +20,7 @@ struct FreeOptions {
   std::function<void(double seconds, double share)> progress;  ///< time gained so far, part of the work done
 };
 
-/// What was done.
+/// The work that was done.
 struct FreeReport {
   int sweeps = 0;
   std::int64_t programmes = 0, iterations = 0;

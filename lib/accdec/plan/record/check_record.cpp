@@ -93,7 +93,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
     found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, 0.0);
 }
 
-/// Where the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
+/// If the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
 void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
   const FilteredCommand* command = found.plan.command();
   if (command == nullptr || record.filters || record.result.feeds_chosen) return;
