@@ -111,7 +111,7 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
       std::string(has_servo(machine) ? behind_servo : "") +
       "<canvas id=\"path\"></canvas>\n<p id=\"info\">&nbsp;</p>\n<canvas id=\"speed\"></canvas>\n"
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
-  page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});
+  page += html_table({{"turn", "places", "lost, s", "lost by each, ms"}, rows});
   page += bounds_table(motion);
   page += "<script>\n" + arrays(programmed, machine, motion, from) + std::string(program_script) + "</script>\n" +
           html_foot();

@@ -135,7 +135,7 @@ function tables() {
     before = besides(plan);
   $("#over-time").firstElementChild.append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
-  const columns = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
+  const columns = ["turn", "places", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
   const rows = plan.lost.map((l) => [
     l.turn,
     String(l.count),
