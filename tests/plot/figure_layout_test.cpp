@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Where a text of the drawing begins, px.
+/// The place where a text of the drawing begins, px.
 std::pair<double, double> place_of(const std::string& svg, const std::string& text) {
   const std::size_t at = svg.find(">" + text + "</");
   EXPECT_NE(at, std::string::npos) << text;

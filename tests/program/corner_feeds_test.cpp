@@ -92,7 +92,7 @@ TEST(ProgramCornerFeeds, ACornerBetweenLongLegsIsPassedAtTheLargestMultiple) {
   }
 }
 
-/// Where short blocks leave no room to reach a multiple, the corner has the one below it. Each corner that is passed
+/// If short blocks leave no room to reach a multiple, the corner has the one below it. Each corner that is passed
 /// without a delay is looked at.
 TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
   const Task task = test::averages_task(1, {DelayKind::corner_feed});

@@ -40,7 +40,7 @@ Toolpath path_of(const std::string& text, const Task& task) {
   return read_toolpath(source, task.machine, {});
 }
 
-/// What every axis does at every sample, by differences of its positions.
+/// The motion of every axis at every sample, by differences of its positions.
 struct Moved {
   std::vector<std::vector<double>> velocity, force;  // [axis][sample]
 

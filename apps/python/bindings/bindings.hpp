@@ -32,10 +32,10 @@ void bind_study(py::module_& module);
 /// A figure of the library as dicts, lists and arrays.
 py::dict figure_dict(const Figure& figure);
 
-/// What to set in a controller, with the answer in words.
+/// The values to set in a controller, with the answer in words.
 py::dict settings_dict(const ChosenSettings& settings, const std::string& answer);
 
-/// What `make` makes of every item.
+/// A list with what `make` makes of every item.
 template <class Item, class Make>
 py::list list_of(const std::vector<Item>& items, Make make) {
   py::list list;

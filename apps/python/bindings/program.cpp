@@ -39,7 +39,7 @@ struct Asked {
   std::map<std::string, double> given;
 };
 
-/// What planning says, now and then, ends it where no deadline does.
+/// Takes the lines that planning says now and then. They end a cancelled planning where no deadline does.
 std::function<void(const std::string&)> teller(const Work& work) {
   return [&work](const std::string& line) {
     if (work.cancelled) throw std::runtime_error("cancelled");

@@ -72,7 +72,7 @@ class AnyMotionBound {
  private:
   using Key = std::vector<std::int64_t>;
 
-  /// The radius of the tube around every block. Stops grant none. Where the path goes straight on, the tolerances at
+  /// The radius of the tube around every block. Stops grant none. If the path goes straight on, the tolerances at
   /// both ends of all that is straight count. Around a chord an arc with its own tube has room.
   void make_tube() {
     const auto granted = [&](std::size_t b) { return path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b]; };

@@ -30,7 +30,7 @@ double lead(double p, double tap) {
   return moment(1.0 - tap - mass(p, tap), tap) - p;
 }
 
-/// Largest tap that starts block b within the acceleration limits. Where other chords move with it, any tap may.
+/// Largest tap that starts block b within the acceleration limits. If other chords move with it, any tap may.
 double largest_tap(const Toolpath& path, std::size_t b, const Machine& machine, double sample_period) {
   const std::size_t n = path.dimensions();
   const double* p = path.point(b);

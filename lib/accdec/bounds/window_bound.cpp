@@ -80,7 +80,7 @@ class Windows {
     return sum;
   }
 
-  /// Least time of the window from point i to k. Where it is not above `known` it may be less, or 0: most
+  /// Least time of the window from point i to k. If it is not above `known`, it may be less, or 0: most
   /// windows are passed over by squares, without roots.
   double time(std::size_t i, std::size_t k, double speed, double known) const {
     const double ends = tolerance(i) + tolerance(k);

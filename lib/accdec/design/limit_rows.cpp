@@ -150,7 +150,7 @@ class RowBuilder {
       // Accelerations of equal sign partly cancel and stay below the larger; only opposed legs add up.
       if (overlap && in * out < 0.0) bounded(axis, event, k, LimitKind::acceleration, acc);
       const Affine moving = axis.mass * acc + axis.damping * v;
-      // Where an axis reverses is not known, so its dry friction counts against the limit on either side of it.
+      // The sample at which an axis reverses is not known. So its dry friction counts against the limit on either side.
       const bool reverses = axis.coulomb > 0.0 && in * out < 0.0;
       for (const double sign : {1.0, -1.0}) {
         if (!reverses && sign * in < 0.0) continue;

@@ -48,7 +48,7 @@ ControlLimits control_limits(const Toolpath& path, const Machine& machine, std::
 /// The largest value along a direction such that no axis exceeds its own.
 double along(const Vector& direction, const Vector& limits);
 
-/// s. Duration from one speed to another within a cruising speed, under one acceleration. Where the length is too short
+/// s. Duration from one speed to another within a cruising speed, under one acceleration. If the length is too short
 /// for the speeds, it is that of a steady change.
 double trapezoid_time(double length, double from, double cruise, double to, double acceleration);
 

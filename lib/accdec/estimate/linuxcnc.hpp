@@ -50,7 +50,7 @@ struct TangentArc {
   double length = 0.0;                           ///< m
   double taken_before = 0.0, taken_after = 0.0;  ///< m, of the pieces
 };
-/// Where a piece is an arc, the sides of both decide which of several arcs of this radius it is. None where it leaves
+/// If a piece is an arc, the sides of both decide which of several arcs of this radius it is. None where it leaves
 /// the tolerance, the plane of the pieces or the parts of them that it may take.
 /// @param radius     m  @param tolerance  m
 /// @param part_before, part_after  rad, of arcs

@@ -29,7 +29,7 @@ proof::Vibration at_worst_phase(proof::Vibration id, const LimitModel& model, co
   return id;
 }
 
-/// What starts and stops, and blends of single delays, leave a mode of an axis with, where that is too much.
+/// Adds the residuals of a mode of an axis that are too large, after starts, stops and blends of single delays.
 void add_residuals(const LimitModel& model, std::size_t m, const Filter& filter, const Box& box, double slack,
                    std::vector<proof::Vibration>& broken) {
   const Mode& mode = model.task().machine.modes[m];

@@ -214,7 +214,7 @@ void CanonicalReader::pass_call() {
   if (name == "CHANGE_TOOL" && empty) state_.pass("M6");
   if (!number || empty) return;
   numbers(1, 10);
-  // Where there are several, the spindle's or pocket's number comes first.
+  // If there are several, the spindle's or pocket's number comes first.
   const std::string value = plain_number(value_[count_ - 1], 6);
   state_.pass(name == "SET_SPINDLE_SPEED" ? "S" + value : name == "SELECT_TOOL" ? "T" + value : "T" + value + " M6");
 }
@@ -246,7 +246,7 @@ void CanonicalReader::offset_call() {
   } else if (name == "SET_G5X_OFFSET") {
     numbers(2, 10);
     const double system = value_[0];
-    // What rs274 prints first is no word of the program.
+    // The system that rs274 prints first is no word of the program.
     if ((!numbered_ || started_) && system >= 1.0 && system <= 9.0 && system == std::floor(system)) {
       const int tenths = system <= 6.0 ? 530 + 10 * static_cast<int>(system) : 584 + static_cast<int>(system);
       state_.select(code_name('G', tenths));

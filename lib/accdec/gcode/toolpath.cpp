@@ -279,7 +279,7 @@ void Builder::close_joint(const Move& next) {
   path_.tolerance.back() = tolerance;
 }
 
-/// Where an arc goes on along the circle of the last one, the path is exact as inside an arc. Else no error is granted.
+/// If an arc goes on along the circle of the last one, the path is exact as inside an arc. Else no error is granted.
 double Builder::exact_tolerance(std::size_t b) const {
   return arcs_.goes_on() && b > 0 && path_.inside_arc[b - 1] != 0 ? path_.tolerance[b - 1] : 0.0;
 }

@@ -9,8 +9,8 @@
 
 namespace accdec {
 
-/// What lies between the designed filter and the motion: the control's own smoothing, the same for all axes, and then
-/// the servo of each axis.
+/// The response between the designed filter and the motion: the control's own smoothing, the same for all axes, and
+/// then the servo of each axis.
 ///
 /// The limits of velocity, acceleration, jerk and residual vibration are of the command, which is the designed filter
 /// behind the smoothing. Force, power, regeneration, errors and the smallest speed are of the motion behind the servo.

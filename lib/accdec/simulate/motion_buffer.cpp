@@ -43,7 +43,7 @@ void MotionBuffer::apply(AxisMotion& axis, std::int64_t from, std::int64_t to) {
   const std::int64_t count = to - from;
   double* const change = changes_.data() + order_ + 1 + convolve_margin;
   find_changes(axis.command.data() + from, count, change, count_.data());
-  // Where there are few changes, they are filtered one by one and removed. The rest are stretches with many changes.
+  // Changes in stretches with few of them are filtered one by one and removed. The rest have many changes.
   std::int64_t begin = 0, end = 0;
   const auto convolve = [&] {
     if (end <= begin) return;

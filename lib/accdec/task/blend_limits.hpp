@@ -54,7 +54,7 @@ class BlendLimits {
 
   /// The largest velocity, acceleration, jerk and load of an axis that starts to or stops from a speed, together.
   AxisState peak_at(const Axis& axis, double speed) const;
-  /// What one axis does at a sample.
+  /// The state of one axis at a sample.
   AxisState state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int sample,
                   double still) const;
 

@@ -120,7 +120,7 @@ struct ServoReport {
   double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
 };
 
-/// What `accdec program` answers, whatever the plan; `accdec.program/2` in JSON.
+/// The answer of `accdec program`, whatever the plan; `accdec.program/2` in JSON.
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;

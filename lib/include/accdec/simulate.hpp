@@ -131,7 +131,7 @@ struct Arc;
 class MoveSink {
  public:
   virtual ~MoveSink() = default;
-  /// Where the path begins, before any move; the origin if never called.
+  /// The path begins here, before any move; at the origin if never called.
   virtual void begin(const ProgramPoint& at) = 0;
   /// Moves of no length are passed too: they have no path but count as blocks.
   virtual void move(const Move& move) = 0;
@@ -221,7 +221,7 @@ struct Toolpath {
   bool percent = false;                ///< the program stands between two %
   std::string label;                   ///< its number, O0001; may be empty
   std::string end;                     ///< its last word, M2 or M30; empty: the end of the file
-  /// What acts on the machine and is not in the coordinates.
+  /// A word that acts on the machine and is not in the coordinates.
   struct Selected {
     std::string word;
     std::int64_t line = 0;  ///< 0: in force from the start

@@ -237,7 +237,7 @@ class Scheduler {
     joint.tolerance *= std::clamp(part, 0.5, 0.97);
     joint.choose = true;
     joint.errors = static_cast<std::uint8_t>(std::min(joint.errors + 1, 100));
-    // Where joints affect each other, lower speeds may not be enough; a stop always is.
+    // If joints affect each other, lower speeds may not be enough; a stop always is.
     if (joint.errors > (ends_leg(path_, b) ? 2 : 6) && !runs_on(path_.control)) joint.extra += 1 + filter_.order() / 8;
   }
 

@@ -131,7 +131,7 @@ class Candidates {
       if (c.predicted >= shortest) break;  // a plan is not faster than its prediction
       if (i > 0 && deadline_.over()) break;
       simulate(*c.design.filter, c, best, shortest);
-      // Where moves overlap, limits that each move holds alone may break together. A gentler filter can save the time
+      // If moves overlap, limits that each move holds alone may break together. A gentler filter can save the time
       // that repair costs.
       for (double factor = 1.2; i == 0 && shortest > 1.005 * c.predicted && factor < 4.0 && !deadline_.over();
            factor *= 1.2) {

@@ -11,7 +11,7 @@
 
 namespace accdec {
 
-/// What was done.
+/// The work that was done.
 struct FreeReport {
   int sweeps = 0;
   std::int64_t programmes = 0, iterations = 0;

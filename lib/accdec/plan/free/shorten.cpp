@@ -272,7 +272,7 @@ class Shortening {
     return false;
   }
 
-  /// Whether every sample is in its tube and every joint within its tolerance. Where no window was solved, a mean of
+  /// Whether every sample is in its tube and every joint within its tolerance. If no window was solved, a mean of
   /// two copies of the old motion may cut both by a T^2/8.
   bool kept() const {
     std::array<double, program_axis_count> x{};

@@ -93,7 +93,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
     found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, 0.0);
 }
 
-/// Where the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
+/// If the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
 void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
   const FilteredCommand* command = found.plan.command();
   if (command == nullptr || record.filters || record.result.feeds_chosen) return;
@@ -118,7 +118,7 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   check.found.task_machine = record.task.machine;
   compare_names(record, check.reasons);
   if (record.result.plan.path.tolerance.back() < unlimited || record.result.errors.back() != 0.0)
-    check.reasons.emplace_back("the last block ends in no joint: its tolerance must be null, and its error 0");
+    check.reasons.emplace_back("no move follows the last block: its tolerance must be null, and its error 0");
   std::vector<std::string> skip;
   if (!programmed) skip = of_the_program;
   // The plan of a filter a leg is made no more: its delays are compared with the tolerances, not with others.

@@ -68,7 +68,7 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
   const bool several = file.path.blocks() <= several_plans_max;
   const double chords = file.reading.read.arc_tolerance;
-  // Where checking its samples takes all the time there is, one filter may still be planned.
+  // If checking its samples takes all the time there is, one filter may still be planned.
   const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
   ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;

@@ -78,7 +78,7 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const std::optional<Pro
   if (fixed && fixed->cycle_time < best) {
     if (std::optional<FreeSamples> samples = sampled(path, fixed->plan, profiles.sample_period)) {
       ProgramResult result = with_samples(profiles, *samples);
-      // Where many moves overlap, a filter may leave the tube around a leg.
+      // If many moves overlap, a filter may leave the tube around a leg.
       const std::string broken = judge_free_motion(result, program_machine(task.machine, path));
       if (broken.empty() && result.cycle_time < best) return {std::move(result), std::move(*samples)};
     }

@@ -95,7 +95,7 @@ class DepartureWalk {
       if (programmed_.joint[b] == Joint::stop && commanded_.joint[at_] != Joint::stop)
         return "the program stops, the commands do not";
       if (programmed_.joint[b] != commanded_.joint[at_] || programmed_.inside_arc[b] != commanded_.inside_arc[at_])
-        return "its end is recorded as another kind of joint";
+        return "its end is recorded as of another kind";
       const double own = commanded_.tolerance[at_], asked = programmed_.tolerance[b];
       if (own > asked * (1.0 + 1e-9)) return "the tolerance is wider than the program's";
       if (own < asked * (1.0 - 1e-9)) return "the tolerance is narrower than the program's";

@@ -82,7 +82,7 @@ void say_systems(Toolpath& path, const std::string& file, bool interpreted, cons
   }
 }
 
-/// What our own reader makes of the tools.
+/// Says what our own reader makes of the tools.
 /// @throws std::invalid_argument if the program takes a length that nobody gave
 void say_tools(Toolpath& path, const std::string& file, const ProgramTools& tools, const Tell& tell) {
   if (path.length_at) {

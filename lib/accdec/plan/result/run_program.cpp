@@ -228,7 +228,7 @@ class Planning {
   bool delays_had_ = true;
 };
 
-/// What every plan's result says of the program and the task.
+/// The part of every plan's result on the program and the task.
 ProgramResult before_planning(const std::string& name, const Toolpath& path, const Task& task) {
   if (task.design.coefficient_bits > 0)
     throw std::invalid_argument("[design] coefficient_bits is for designs of corners; leave it out for a program");

@@ -97,7 +97,7 @@ std::string describe(const PlanTime& plan) {
 }
 
 std::string describe(const CornerBound& bound) {
-  return fmt::format("{} of {} joints have legs long enough to count, {} linear programs{}", bound.counted,
+  return fmt::format("{} of {} corners have legs long enough to count, {} linear programs{}", bound.counted,
                      bound.corners, bound.classes, bound.complete ? "" : ", not all of them solved");
 }
 

@@ -128,7 +128,7 @@ struct Candidate {
 };
 
 bool holds_bounds(const Candidate& candidate, const Machine& modes, double period) {
-  // What fails at some of the frequencies need not be looked at closely.
+  // A candidate that fails at some of the frequencies need not be looked at closely.
   constexpr int places = 8;
   const auto frequency = [&](const Mode& mode, int i) {
     return mode.frequency_low + (mode.frequency_high - mode.frequency_low) * i / places;
