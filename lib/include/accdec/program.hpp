@@ -83,7 +83,7 @@ struct ProgramSettings {
 /// The treatment of programmed feeds.
 enum class Feeds {
   keep,           ///< commanded as they are, except in blocks that would break a limit
-  choose,         ///< upper bounds: feeds and steps of feed inside blocks are chosen, see schedule_feeds
+  choose,         ///< upper bounds: feeds and steps of feed inside blocks are chosen
   choose_only,    ///< as choose, but without the additional plan that keeps them
   choose_fitting  ///< as choose, with a filter that was designed for chosen feeds: the plan that keeps them is only
                   ///< refined if it comes near
@@ -129,7 +129,7 @@ struct ProgramResult {
   Plan plan;
   std::vector<double> errors;         ///< m, of the joint at the end of every block of the plan's path
   SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
-  std::size_t programmed_blocks = 0;  ///< that move, see blocks_of
+  std::size_t programmed_blocks = 0;  ///< that move
   std::size_t programmed_moves = 0;   ///< straight moves of the program, chords of its arcs one by one; the plan's path
                                       ///< has more where it steps its feeds
   bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
@@ -143,7 +143,7 @@ struct ProgramResult {
   double worst_error = 0.0;           ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;     ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
-  std::size_t worst_shown = 5;            ///< corners that JSON and the summary list, see worst_corners
+  std::size_t worst_shown = 5;            ///< corners that JSON and the summary list
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays
   std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
@@ -154,8 +154,8 @@ struct ProgramResult {
   std::string exact_stop_breaks;                ///< the limit that this nevertheless breaks most; empty: it holds all
   std::optional<double> cycle_time_no_delay;    ///< s, of a command: no delay but where the program stops
   double lower_bound =
-      0.0;  ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
-  std::optional<double> filter_bound;       ///< s, see filter_lower_bound; at the programmed feeds, where asked for
+      0.0;  ///< s, of any motion; at the programmed feeds, rapid moves at their axes' largest velocity
+  std::optional<double> filter_bound;       ///< s, of filters and delays; at the programmed feeds, where asked for
   std::optional<CornerBound> corner_bound;  ///< by whoever asks for it
   std::int64_t peak_memory = 0;             ///< bytes of the process, by whoever runs it; 0: not asked for
   std::vector<PlanTime> candidates;         ///< plans that were made beside this one
@@ -207,7 +207,7 @@ std::string estimate_text(const ControlEstimate& estimate, double plan_time);
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {});
 
-/// Plans profiles (see plan_profiles), samples and verifies them. The bounds are left to whoever asks for them.
+/// Plans profiles, samples and verifies them. The bounds are left to whoever asks for them.
 /// @throws std::invalid_argument for vibration bounds that no last filter holds, and for delays that the program brings
 ///         along: they belong to a filter that this plan does not have
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline = {});
@@ -223,7 +223,7 @@ std::vector<std::string> control_needs(const ProgramResult& result);
 /// Blocks of a path as it was read; the chords of an arc are one.
 std::size_t blocks_of(const Toolpath& programmed);
 
-/// Largest distance by which points of arcs were moved out, m, see compensate_arcs.
+/// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double widest(const Toolpath& path);
 
 /// A joint and the part of its tolerance that it uses.
@@ -239,12 +239,12 @@ struct CornerUse {
 /// once, with the worst error.
 std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
 
-/// Ends with a line feed. In program_report_json.cpp.
+/// Ends with a line feed.
 std::string program_to_json(const ProgramResult& result);
 /// The delays of a plan fixed: line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has
 /// a delay. The last is empty without bound.
 std::string delays_to_csv(const ProgramResult& result);
-/// The table for people. In program_summary.cpp.
+/// The table for people.
 std::string program_summary(const ProgramResult& result);
 
 /// Writes a plan fixed as a program for a controller that filters its commands. A delayed joint is followed by a dwell
@@ -252,7 +252,6 @@ std::string program_summary(const ProgramResult& result);
 /// mode of every joint (G61.1, G61, G64 P) are written, too. Arcs become their chords, in mm and absolute. Stops,
 /// dwells and words that are not about motion stay in place. Read with ToolpathOptions::dwells_before_filter, the
 /// program plans to the same motion, except for the way to where it begins.
-/// In emit.cpp.
 void emit_program(const ProgramResult& result, std::ostream& out);
 
 /// The filter for a program whose task leaves it open. Candidates are designed for the representative task, by
@@ -288,7 +287,7 @@ enum class PlanKind { fixed, profiles, free };
 /// Options of plan fixed.
 struct FixedOptions {
   Feeds feeds = Feeds::choose;
-  bool filter_bound = false;  ///< see run_program
+  bool filter_bound = false;  ///< also the bound on filters and delays, by linear programs
 };
 
 /// Options of plan free. Its answer depends on the time limit only.
@@ -303,7 +302,7 @@ struct ProgramFileOptions {
   PlanKind plan = PlanKind::fixed;
   std::optional<double> arc_tolerance;  ///< m, largest distance of a chord from its arc; none: chord_tolerance, 2 um
                                         ///< where feeds are kept, which does not see accelerations along an arc
-  bool compensate_arcs = false;         ///< the commanded radius is widened, see compensate_arcs
+  bool compensate_arcs = false;         ///< the commanded radius is widened by the radius error of the filter
   ProgramTools tools;                   ///< for programs that rs274 has to run
   bool rapid_stops = false, dwells_before_filter = false;  ///< see ToolpathOptions
   FixedOptions fixed;

@@ -157,7 +157,7 @@ bool rotary_only(const ProgramPoint& from, const ProgramPoint& to);
 
 struct ReadOptions {
   double arc_tolerance = 2e-6;  ///< m, > 0: largest distance of a chord from the arc it stands for
-  bool numbered = false;        ///< N words of canonical calls are lines of the program, see numbered_lines
+  bool numbered = false;        ///< N words of canonical calls are lines of the program
   bool tools = false;           ///< lengths of tools are given: G43, which is passed over else, throws NeedsInterpreter
 };
 
@@ -203,7 +203,7 @@ struct Toolpath {
   std::vector<std::uint8_t> inside_arc;  ///< whether the joint lies between two chords of one arc
   std::vector<PathArc> arcs;             ///< ascending
   std::vector<double> programmed;        ///< rows as points, the program's; empty: compensate_arcs moved none
-  bool widen_arcs = false;               ///< the commanded radius of arcs may be widened, see compensate_arcs
+  bool widen_arcs = false;               ///< the commanded radius of arcs may be widened
   ControlDelays control;                 ///< the delays that its corners can be given
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;                             ///< before the first block, s
@@ -317,7 +317,7 @@ struct ProfileChain {
 
 /// Computes speeds of all corners and peaks of all legs. Each corner gets a share of every leg that is too short for
 /// both its corners. A backward pass covers braking, a forward pass speeding up. Then rounds raise each corner as far
-/// as its neighbours allow. O(blocks). The result can be driven. In look_ahead.cpp.
+/// as its neighbours allow. O(blocks). The result can be driven.
 void look_ahead(ProfileChain& chain);
 
 /// Straight moves at their feeds, with a delay after each, through one filter: what a control with a filter runs.
@@ -374,7 +374,7 @@ struct Sample {
 
 /// The motion of a plan, from rest at its start to the first sample at rest at its end: what controllers are sent, and
 /// what tables, figures and pages show.
-/// It holds only one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory.
+/// It holds only one run of a command and some thousand samples, or one leg of a trajectory.
 class Motion {
  public:
   /// References are kept. @param plan  not empty  @param servo  what the servo makes of it, until that rests, too
