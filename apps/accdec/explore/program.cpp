@@ -138,7 +138,7 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
     one_filter.corner_bound = corner_bound_as_read(*bound, chords, name, fixed, task, tip_options());
   add(std::move(one_filter));
   try {
-    ProgramResult profiles = plan_profiles_of(name, file.path, chords, task);
+    ProgramResult profiles = plan_profiles_of(name, file.path, task);
     profiles.corner_bound = bound;
     add(std::move(profiles));
   } catch (const std::invalid_argument& error) {

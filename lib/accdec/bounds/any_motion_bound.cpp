@@ -53,7 +53,7 @@ class AnyMotionBound {
           return plane_programs_left_ > 0 && plane_programs_left_-- > 0 && seconds_since(start_) < time_limit_;
         }) {
     const SplineSlack slack = spline_slack(machine, sample_period);
-    wider_ = slack.wider, saved_ = slack.saved;
+    wider_ = slack.wider + path.narrowed, saved_ = slack.saved;
     make_tube();
   }
 

@@ -108,7 +108,7 @@ std::optional<double> filter_lower_bound(const Toolpath& path, const Machine& ta
       dot += (q[a] - p[a]) * (r[a] - q[a]);
     }
     const double in = std::sqrt(in2), out = std::sqrt(out2);
-    const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b];
+    const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b] + path.narrowed;
     samples += least_separation(
         in / path.duration[b] * sample_period, out / path.duration[b + 1] * sample_period,
         largest_tap(path, b, machine, sample_period), largest_tap(path, b + 1, machine, sample_period),

@@ -113,6 +113,12 @@ struct AxisLoad {
   double rms_max = unlimited;  ///< N, the axis' rating
 };
 
+/// The point of an arc that uses most of what the motion may be off it.
+struct ArcError {
+  double error = 0.0, tolerance = 0.0;  ///< m
+  std::uint32_t line = 0;
+};
+
 /// The motion behind the servo, where it is not the command.
 struct ServoReport {
   double settling = 0.0;    ///< s, from the end of the command until the motion stays within `within` of its end
@@ -143,6 +149,7 @@ struct ProgramResult {
   double worst_error = 0.0;           ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;     ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
+  std::optional<ArcError> arcs;           ///< of programs with arcs of up to `several_plans_max` blocks
   std::size_t worst_shown = 5;            ///< corners that JSON and the summary list
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays

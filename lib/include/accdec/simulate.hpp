@@ -197,6 +197,7 @@ struct Toolpath {
   std::vector<double> points;       ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
   std::vector<double> duration;     ///< s per block, > 0
   std::vector<double> tolerance;    ///< m, of every joint; unlimited if it has none
+  double narrowed = 0.0;            ///< m: beside arcs and splines this much of it at most is left for their chords
   std::vector<Joint> joint;         ///< one per block; the last is `stop`
   std::vector<std::uint32_t> line;  ///< of every block
   std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow

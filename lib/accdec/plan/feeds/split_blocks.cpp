@@ -41,6 +41,7 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   out.percent = path.percent;
   out.label = path.label;
   out.end = path.end;
+  out.narrowed = path.narrowed;
   out.widen_arcs = path.widen_arcs;
   out.control = path.control;
   reserve(out, count);

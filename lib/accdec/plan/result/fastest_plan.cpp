@@ -22,20 +22,8 @@ void require_plan(const ProgramResult& result) {
   if (result.plan.empty()) throw std::invalid_argument(result.message + "; give --time-limit longer");
 }
 
-void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
-  // The path may be off a chord's end by the tolerance, and the chord off its arc by more.
-  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    const double tolerance = path.tolerance[b];
-    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
-    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
-  }
-}
-
-ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
-                               const Deadline& deadline) {
+ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
   const double bound = program_lower_bound(path, program_machine(task.machine, path), task.sample_period);
-  leave_room_for_arcs(path, arc_tolerance);
   ProgramResult result = run_profiles(name, std::move(path), task, deadline);
   result.lower_bound = bound;
   return result;
@@ -70,7 +58,7 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   const double chords = file.reading.read.arc_tolerance;
   // If checking its samples takes all the time there is, one filter may still be planned.
   const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
-  ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
+  ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   const bool late = !several || options.deadline.over();

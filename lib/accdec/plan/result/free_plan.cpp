@@ -115,7 +115,7 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   if (tell) tell("plan profiles, which the free motion begins with");
   const double chords = file.reading.read.arc_tolerance;
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
-  ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
+  ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
   if (file.path.blocks() <= several_plans_max)
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline, true);
   const std::string no_motion = why_no_motion(profiles, options.deadline);

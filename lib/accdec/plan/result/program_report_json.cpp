@@ -136,6 +136,10 @@ std::string program_to_json(const ProgramResult& result) {
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},
                      {"worst_line", result.worst_line}};
+  if (result.arcs)
+    json["arcs"] = {{"worst_error_m", number(result.arcs->error)},
+                    {"error_max_m", number(result.arcs->tolerance)},
+                    {"worst_line", result.arcs->line}};
   json["worst_corners"] = worst_corners_json(result);
   json["feeds_slowed"] = Json::array();
   for (const SlowedFeeds& slowed : result.too_fast) {

@@ -11,6 +11,7 @@
 #include <accdec/plan/result/used_limits.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/simulate/arc_points.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_check.hpp>
@@ -76,6 +77,7 @@ class CommandCheck {
     check_limits(motion, behind);
     check_ratings(behind);
     check_settling(behind);
+    check_arcs(behind);
     check_vibration();
     describe(motion, time);
     report_.accepted = report_.reasons.empty();
@@ -155,6 +157,18 @@ class CommandCheck {
     }
   }
 
+  void check_arcs(const DirectMotion& motion) {
+    ArcPoints arcs(path_);
+    for (std::size_t i = 0; i < arcs.count(); ++i) {
+      const std::size_t b = arcs.block(i);
+      const std::int64_t first = b > 0 ? motion.windows[b - 1].first : 0;
+      const std::int64_t last =
+          b < motion.windows.size() ? motion.windows[b].last : std::ssize(motion.position.front()) - 1;
+      arcs.set_distance(i, direct_distance(motion, arcs.point(i), first, last, true));
+    }
+    arcs_ = arcs.worst();
+  }
+
   void check_limit(std::size_t i, const UseOfLimit& use, const std::string& axis) {
     const std::string name = fmt::format("{}{}{}", to_string(use.kind()), axis.empty() ? "" : " ", axis);
     const UseOfLimit::Worst found = use.worst();
@@ -216,6 +230,7 @@ class CommandCheck {
     found.check.limits = result_.check.limits;
     found.check.limits.resize(std::min(limits_, found.check.limits.size()));
     found.cycle_time = time;
+    found.arcs = arcs_;
     judge_program(found, machine_);
     if (per_leg_) take_worst_vibration(found);
   }
@@ -240,6 +255,7 @@ class CommandCheck {
   const Machine machine_;
   const BlockFilters filters_;
   ProgramResultCheck report_;
+  std::optional<ArcError> arcs_;
   std::size_t limits_ = 0;  // of axes
   Simulation lines_;        // made when first asked for
 };
