@@ -322,6 +322,26 @@ TEST_F(LoadsCommand, OfARotaryAxisAreTorques) {
                                      "`velocity_max_deg_s` says so"));
 }
 
+/// Friction of a rotary axis is a torque; a program's only axis that turns is no linear one.
+TEST_F(LoadsCommand, FrictionOfARotaryAxisIsATorque) {
+  write("turn.toml",
+        "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 49\n[[axis]]\nname = \"a\"\n"
+        "velocity_max_deg_s = 120\ninertia_kg_m2 = 0.8\ndamping_N_m_s = 0.5\ncoulomb_N_m = 3\n"
+        "torque_max_N_m = 60\ntorque_rms_N_m = 20\n");
+  write("turn.ngc", "G1 A90 F6000\nM2\n");  // 100 deg/s within 50 ms
+  ASSERT_EQ(run("program turn.ngc --task turn.toml --feeds keep --json r.json").code, 0) << read("err");
+  ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  run("program turn.ngc --task turn.toml --feeds keep");
+  const double rad = std::acos(-1.0) / 180.0, torque = 0.8 * 2000.0 * rad + 0.5 * 100.0 * rad + 3.0;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g          60 N m", torque);
+  EXPECT_THAT(read("out"), HasSubstr(text));
+  EXPECT_THAT(read("out"), HasSubstr("% of its rating"));
+  write("line.ngc", "G1 X90 F6000\nM2\n");
+  EXPECT_EQ(run("program line.ngc --task turn.toml").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("line.ngc:1:4: axis X is not among the axes of the task"));
+}
+
 /// Whole numbers of the unit, each that of its own position; their jerk is off by four units over T^3 at most.
 TEST_F(LoadsCommand, PositionsAreWholeNumbersOfTheUnit) {
   task("force_max_N = 200\n");

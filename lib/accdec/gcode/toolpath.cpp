@@ -339,6 +339,7 @@ Toolpath Builder::finish() {
   }
   path_.plane = static_cast<Plane>(std::max_element(feed_way_.begin(), feed_way_.end()) - feed_way_.begin());
   path_.widen_arcs = options_.widen_arcs;
+  path_.contour_max = options_.contour_max;
   return std::move(path_);
 }
 

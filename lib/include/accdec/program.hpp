@@ -26,6 +26,7 @@ struct PlanTime {
   std::string plan;       ///< "fixed", "profiles" or "free"
   double time = 0.0;      ///< s, simulated
   bool verified = false;  ///< every sample, all bounds
+  std::string broken{};   ///< else the worst of what it breaks
 };
 
 /// The findings of a check of every sample of a motion.

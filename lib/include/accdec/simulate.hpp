@@ -67,7 +67,6 @@ class LineSource {
   struct Close {
     void operator()(std::FILE* f) const { std::fclose(f); }
   };
-
   const void* find_end() const;
   void take(std::string_view& line, const char* end) {
     start_of_last_ = position_;
@@ -176,8 +175,8 @@ enum class Joint : std::uint8_t {
   straight,  ///< no turn: as smooth, but needs no tolerance
   stop       ///< at rest
 };
-/// Largest turn of a smooth joint, rad. Chords of arcs and of finely sampled curves turn less, corners more. At speed,
-/// samples lie farther apart than usual tolerances. So the sampled error of an almost straight path says little.
+/// Largest turn of a smooth joint, rad. Chords of arcs and of curves turn less, corners more. At speed, samples lie
+/// farther apart than tolerances, so that the sampled error of an almost straight path says little.
 inline constexpr double smooth_turn = 0.34906585039886592;  // 20 degrees
 
 /// An arc or helix of a path that its chords represent: their ends lie on it.
@@ -205,6 +204,7 @@ struct Toolpath {
   std::vector<PathArc> arcs;             ///< ascending
   std::vector<double> programmed;        ///< rows as points, the program's; empty: compensate_arcs moved none
   bool widen_arcs = false;               ///< the commanded radius of arcs may be widened
+  double contour_max = unlimited;        ///< m, largest distance of the motion from the blocks that it passes
   ControlDelays control;                 ///< the delays that its corners can be given
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;                             ///< before the first block, s
@@ -256,14 +256,15 @@ inline bool ends_leg(const Toolpath& path, std::size_t b) {
 struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;    ///< m, tolerance where the program gives none
+  double contour_max = unlimited;     ///< m, see Toolpath
   bool clamp_feeds = false;           ///< feeds above an axis' velocity limit are lowered to it, else they are an error
   bool widen_arcs = false;            ///< see Toolpath
   bool rapid_stops = false;           ///< stop wherever rapid and feed moves meet
   bool dwells_before_filter = false;  ///< G4 is a given delay, without a stop where the program does not stop anyway
 };
 
-/// The task's axis that moves a program axis, by its name in upper or lower case; nullptr if there is none of that
-/// name. A task with a single axis gives its limits to every linear axis; a rotary axis has its own limits, in degrees.
+/// The task's axis that moves a program axis, by its name in any case; nullptr if there is none of that name. The
+/// single axis of a task gives its limits to every linear axis; a rotary axis has its own limits, in degrees.
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
@@ -325,10 +326,10 @@ void look_ahead(ProfileChain& chain);
 struct FilteredCommand {
   Filter filter{{1.0}};     ///< all that acts on the command: what is set, and behind it the control's own smoothing
   std::vector<int> delays;  ///< samples, one a block, of the joint at its end
-  std::optional<Filter> own{};    ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
-  std::optional<Filter> moved{};  ///< `filter` and the servo behind it, where the axes have one; none: `filter`
+  std::optional<Filter> own{};  ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
+  std::vector<Filter> moved{};  ///< `filter` behind the servo: one, or one an axis; empty: no servo
   const Filter& set() const { return own ? *own : filter; }
-  const Filter& motion() const { return moved ? *moved : filter; }
+  std::span<const Filter> motion() const { return moved.empty() ? std::span(&filter, 1) : std::span(moved); }
 };
 
 /// A motion given by its samples, from the first after the start to the last before it rests.

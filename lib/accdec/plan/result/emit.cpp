@@ -269,7 +269,7 @@ class Emission {
       if (!move.empty()) feed_.clear();
       return;
     }
-    if (!last && path_.joint[b] == Joint::stop && result_.plan.command()->moved) return servo_rest(b);
+    if (!last && path_.joint[b] == Joint::stop && !result_.plan.command()->moved.empty()) return servo_rest(b);
     if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
     int delay = result_.plan.delay(b);
     if (kind_of(result_, b) == DelayKind::exact_stop) delay -= filter_.last_nonzero_tap() - filter_.first_nonzero_tap();

@@ -15,7 +15,8 @@
 namespace accdec {
 PlanTime time_of(const ProgramResult& r) {
   // Only profiles may be without a plan, where checking its samples takes longer than the time limit.
-  return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible};
+  return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible,
+          r.verification.feasible ? "" : r.verification.worst};
 }
 
 void require_plan(const ProgramResult& result) {

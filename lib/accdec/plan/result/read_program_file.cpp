@@ -128,6 +128,7 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
       options.arc_tolerance.value_or(options.fixed.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);
   reading.widen_arcs = options.compensate_arcs;
   reading.error_max = task.program_error_max;
+  reading.contour_max = task.program_contour_max.value_or(unlimited);
   reading.clamp_feeds = options.fixed.feeds == Feeds::choose;
   reading.rapid_stops = options.rapid_stops;
   reading.read.tools = options.tools.given();

@@ -64,7 +64,7 @@ void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Stea
 
 void write_samples(const ProgramResult& result, std::ostream& out) {
   const FilteredCommand* command = result.plan.command();
-  const bool servo = command != nullptr && command->moved;
+  const bool servo = command != nullptr && !command->moved.empty();
   SampleTable table(result.plan.path, result.sample_period, out, servo, result.task_machine.position_unit);
   Motion behind(result.plan, result.sample_period, true);
   Sample motion;
@@ -91,8 +91,8 @@ void stream_samples(const ProgramResult& result, std::ostream& out) {
 std::string describe(const PlanTime& plan) {
   const bool checked = plan.time > 0.0;
   return fmt::format("plan {}{}", plan.plan,
-                     plan.verified ? ""
-                     : checked     ? ", not verified"
+                     plan.verified ? std::string()
+                     : checked     ? ", not verified: " + plan.broken
                                    : ", not checked within the time limit");
 }
 

@@ -8,7 +8,7 @@ namespace accdec {
 
 std::optional<ServoReport> servo_report(const ProgramResult& result) {
   const FilteredCommand* command = result.plan.command();
-  if (command == nullptr || !command->moved) return std::nullopt;
+  if (command == nullptr || command->moved.empty()) return std::nullopt;
   const Toolpath& path = result.plan.path;
   constexpr double usual = 1e-6;  // m
   double least = unlimited, stops = 0.0;

@@ -10,6 +10,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/result/used_limits.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
+#include <accdec/plan/result/verify_path.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 #include <accdec/simulate/arc_points.hpp>
 #include <accdec/simulate/direct.hpp>
@@ -142,6 +143,13 @@ class CommandCheck {
     for (const SupplyLimit& limit : supply_limits) {
       if (machine_.*limit.bound < unlimited)
         check_limit(i++, use_of_supply(motion, machine_, limit.kind, result_.sample_period), "");
+    }
+    if (path_.contour_max < unlimited)
+      check_limit(i++, use_of_contour(motion, path_, filters_.order_max() + filters_.behind), "");
+    for (const Mode& mode : machine_.modes) {
+      if (mode.of_axis())
+        check_limit(i++, use_of_mode(command, path_, result_.sample_period, command_.delays, filter_, mode),
+                    machine_.axes[static_cast<std::size_t>(mode.axis)].name);
     }
     limits_ = i;
   }
