@@ -10,8 +10,8 @@
 
 namespace accdec {
 
-/// Where the labels of a panel stand: nowhere (there are none, or the page has one legend), in the panel's title, each
-/// at the end of its line, or in a column beside the plot.
+/// Where the labels of a panel stand: in its title, each at the end of its line, or in a column beside the plot. None
+/// stand there if the page has one legend.
 enum class LegendKind { none, title, ends, column };
 LegendKind legend_kind(const Figure& figure, const Panel& panel);
 
