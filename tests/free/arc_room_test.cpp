@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
@@ -88,11 +89,11 @@ TEST_P(ArcRoom, EveryPlanStaysWithinTheToleranceOfTheArcs) {
   const std::string name = folder.write("part.ngc", loops.program());
   const ProgramFile file = read_program_file(name, task, {}, {});
   ProgramFile fixed = file, free = file;
-  FreeOptions quick;
-  quick.sweeps = 1;
+  ProgramFileOptions quick;
+  quick.free.sweeps = 1;
   for (const ProgramResult& result :
-       {run_program_file(name, fixed, task, {}, {}), plan_profiles_of(name, file.path, task),
-        run_free_plan(name, free, task, {}, quick, {})}) {
+       {run_fixed_plan(name, fixed, task, {}, {}), plan_profiles_of(name, file.path, task),
+        run_free_plan(name, free, task, quick, {})}) {
     EXPECT_TRUE(result.verification.feasible) << result.message;
     expect_on_circles(result, loops);
     ASSERT_TRUE(result.arcs);

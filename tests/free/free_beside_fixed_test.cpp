@@ -65,6 +65,22 @@ TEST_P(FreeBesideFixed, IsNeverSlower) {
   }
 }
 
+// The page of `accdec explore` has it before plan free begins.
+TEST(FreeBesideFixed, TakesThePlanThatIsKnown) {
+  Task task;
+  task.sample_period = two_ms;
+  task.machine = test::machine_of(1.0, 40.0);
+  ProgramFile file;
+  file.path = test::path_of(program_of(0, 1), task.machine);
+  FixedPlan known{file, {}};
+  known.result = run_fixed_plan("test", known.file, task, {}, {});
+  ASSERT_TRUE(known.result.verification.feasible) << known.result.message;
+  known.result.cycle_time = 1e-3;  // faster than any motion: the answer shows where it came from
+  const ProgramResult free = run_free_plan("test", file, task, {}, {}, known);
+  EXPECT_EQ(free.cycle_time, 1e-3);
+  EXPECT_STREQ(free.plan.name(), "fixed");
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, FreeBesideFixed, ::testing::Range(0, 5));
 
 // A filter made for short blocks is faster than any corner by itself; the free motion goes on from there.

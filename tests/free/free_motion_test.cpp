@@ -110,7 +110,9 @@ TEST(FreeMotion, HoldsWheneverItEnds) {
     const ProgramResult result = free_plan(zigzag, task, options);
     expect_holds(result, task);
     EXPECT_GE(result.cycle_time, whole);
-    if (last > 0) ASSERT_FALSE(result.candidates.empty());  // else there is time for the first plan alone
+    if (last > 0) {  // else there is time for the first plan alone
+      ASSERT_FALSE(result.candidates.empty());
+    }
     for (const PlanTime& other : result.candidates) EXPECT_LE(result.cycle_time, other.time) << other.plan;
   }
   for (const double seconds : {1e-3, 0.05}) {

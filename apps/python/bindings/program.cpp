@@ -313,12 +313,16 @@ void bind_program(py::module_& module) {
       py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("estimate"),
       py::arg("estimate_options"), py::arg("progress"));
   module.def(
-      "program_figure",
-      [](const Program& result) {
-        require_motion(result);
-        return figure_dict(plot_program(result));
+      "program_drawing",
+      [](const Pointer& result, const std::string& format) {
+        return drawn([&] {
+          if (format == "html") return page_of(*result);
+          require_motion(*result);
+          const Figure figure = plot_program(*result, result->programmed, result->machine);
+          return convert_svg(render_svg(figure), format, figure.title);
+        });
       },
-      py::arg("result"));
+      py::arg("result"), py::arg("format"));
 }
 
 }  // namespace accdec::python

@@ -33,8 +33,8 @@ class Builder : public MoveSink {
   Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options, double spline_distance)
       : source_(source), options_(options), spline_distance_(spline_distance) {
     for (std::size_t a = 0; a < program_axis_count; ++a) limits_[a] = find_axis(machine, a);
-    limited_ = !machine.axes.empty();
-    servo_ = has_servo(machine);
+    given_.limited = !machine.axes.empty();
+    given_.servo = has_servo(machine);
   }
 
   void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
@@ -43,7 +43,7 @@ class Builder : public MoveSink {
   void stop(double dwell) override {
     if (!(dwell <= longest)) source_.fail(1, "the dwell takes more than 1e9 s");
     if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);
-    stopped_ = stopped_ || dwell == 0.0 || !options_.dwells_before_filter;
+    before_.stopped = before_.stopped || dwell == 0.0 || !options_.dwells_before_filter;
     if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
@@ -86,17 +86,20 @@ class Builder : public MoveSink {
   const ToolpathOptions& options_;
   const double spline_distance_;
   std::array<const Axis*, program_axis_count> limits_{};
-  bool limited_ = false;
-  bool servo_ = false;
+  struct {
+    bool limited = false, servo = false;
+  } given_;  // by the machine
   Toolpath path_;
   Toolpath::Selected system_{"G54"};  // as controls are when they are switched on
   ProgramPoint position_{};
   ProgramPoint start_{};
   unsigned used_ = 0;  // bit a: axis a has moved
   Move last_;
-  double last_off_ = 0.0;             // m, of the last block from its arc or spline at most
-  std::array<double, 3> feed_way_{};  // m, of every plane
-  bool stopped_ = false;
+  struct {
+    double off = 0.0;                  // m, of the last block from its arc or spline at most
+    std::array<double, 3> feed_way{};  // m, of every plane
+    bool stopped = false;
+  } before_;
   ArcSequence arcs_;
 };
 
@@ -202,7 +205,7 @@ void Builder::give_delay(std::size_t b) {
 /// chords. Where a curve begins or ends without a corner, its own tolerance holds from there on.
 double Builder::beside_curves(double tolerance, Joint joint, const Move& next, double off) {
   if (joint != Joint::corner && off > 0.0 && next.tolerance >= 0.0) tolerance = std::min(tolerance, next.tolerance);
-  const double room = std::min(std::max(off, last_off_), 0.5 * tolerance);
+  const double room = std::min(std::max(off, before_.off), 0.5 * tolerance);
   if (!(room > 0.0 && tolerance < unlimited)) return tolerance;
   path_.narrowed = std::max(path_.narrowed, room);
   return tolerance - room;
@@ -220,13 +223,14 @@ void Builder::close_joint(const Move& next, double off) {
   }
   Joint joint = classify(in.data(), out.data());
   // No motion behind a servo passes exactly through a corner: there the control waits for the command.
-  const bool waits = servo_ && last_.control == PathControl::exact_path && joint != Joint::straight && !arcs_.goes_on();
-  const bool stop = stopped_ || waits || last_.control == PathControl::exact_stop ||
+  const bool waits =
+      given_.servo && last_.control == PathControl::exact_path && joint != Joint::straight && !arcs_.goes_on();
+  const bool stop = before_.stopped || waits || last_.control == PathControl::exact_stop ||
                     (options_.rapid_stops && last_.rapid != next.rapid);
   double tolerance = unlimited;
   if (stop) {
     joint = Joint::stop;
-    if (servo_ && options_.error_max) tolerance = *options_.error_max;
+    if (given_.servo && options_.error_max) tolerance = *options_.error_max;
   } else {
     const bool exact = last_.control == PathControl::exact_path;
     tolerance = exact ? exact_tolerance(b) : last_.tolerance;
@@ -296,7 +300,7 @@ void Builder::move(const Move& move) {
   }
   if ((moving & ~used_) != 0U) {
     for (std::size_t a = 0; a < program_axis_count; ++a) {
-      if ((moving & (1U << a)) != 0U && limited_ && limits_[a] == nullptr) {
+      if ((moving & (1U << a)) != 0U && given_.limited && limits_[a] == nullptr) {
         fail(move, fmt::format("axis {0} is not among the axes of the task{1}", program_axes[a],
                                rotary_axis(a) ? fmt::format(": it is rotary and takes no limits from others; add an "
                                                             "[[axis]] with name = \"{}\", where a degree counts as a "
@@ -325,19 +329,20 @@ void Builder::move(const Move& move) {
   path_.inside_arc.push_back(move.inside_arc ? 1 : 0);
   if (of_arc) keep_arc(path_.blocks() - 1);
   path_.line.push_back(static_cast<std::uint32_t>(move.line));
-  if (!move.rapid) feed_way_[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
+  if (!move.rapid) before_.feed_way[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
   position_ = move.to;
   last_ = move;
-  last_off_ = off;
+  before_.off = off;
   arcs_.moved(of_arc);
-  stopped_ = false;
+  before_.stopped = false;
 }
 
 Toolpath Builder::finish() {
   if (path_.blocks() == 0) {
     throw ReadError(source_.name(), std::max<std::int64_t>(1, source_.line_number()), 1, "the program does not move");
   }
-  path_.plane = static_cast<Plane>(std::max_element(feed_way_.begin(), feed_way_.end()) - feed_way_.begin());
+  path_.plane =
+      static_cast<Plane>(std::max_element(before_.feed_way.begin(), before_.feed_way.end()) - before_.feed_way.begin());
   path_.widen_arcs = options_.widen_arcs;
   path_.contour_max = options_.contour_max;
   return std::move(path_);

@@ -213,8 +213,8 @@ struct Toolpath {
   struct Passed {
     std::uint32_t block = 0;  ///< before which one
     std::string words;        ///< as to be written
-    bool dwell = false;       ///< a dwell of the program; `dwell` above has its time
-    bool with_block = false;  ///< a line number or comment that stands on the block's own line
+    /// A dwell of the program (`dwell` above has its time); a line number or comment on the block's own line.
+    bool dwell = false, with_block = false;
   };
   std::vector<Passed> passed;          ///< dwells, and words that are not about motion, in their order
   std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending
@@ -236,7 +236,6 @@ struct Toolpath {
     double tolerance = -1.0, merge = -1.0;  ///< m, see Move
   };
   std::vector<Mode> modes;  ///< path modes as the program gives them, for estimates of other controls; ascending
-
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
   const double* point(std::size_t i) const { return points.data() + i * axes.size(); }

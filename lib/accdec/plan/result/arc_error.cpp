@@ -25,9 +25,11 @@ struct JointSamples {
 void look_at_command(const Plan& plan, double period, ArcPoints& arcs) {
   const FilteredCommand& command = *plan.command();
   const CommandTiming timing(plan.path, period, command.delays);
-  JointSamples joints{timing.dwell_samples(plan.path.dwell_first), command.motion().order()};
+  int longest = 0;
+  for (const Filter& motion : command.motion()) longest = std::max(longest, motion.order());
+  JointSamples joints{timing.dwell_samples(plan.path.dwell_first), longest};
   emit_commands(timing, 0, plan.path.blocks() - 1, joints);
-  Motion motion(plan, period, command.moved.has_value());
+  Motion motion(plan, period, !command.moved.empty());
   Sample before, now;
   motion.next(before);
   for (std::size_t first = 0, last = 0; motion.next(now); before = now) {
