@@ -28,7 +28,7 @@ void bind_figure(py::module_& module);
 void bind_program(py::module_& module);
 void bind_study(py::module_& module);
 
-/// What `draw` draws, while other threads of Python run.
+/// The drawing of `draw`, while other threads of Python run.
 template <class Draw>
 py::bytes drawn(Draw draw) {
   std::string drawing;

@@ -202,7 +202,7 @@ void Builder::give_delay(std::size_t b) {
 }
 
 /// The tolerance of a joint so that a motion is within the program's of arcs and splines if it is within this of their
-/// chords. Where a curve begins or ends without a corner, its own tolerance holds from there on.
+/// chords. If a curve begins or ends without a corner, its own tolerance holds from there on.
 double Builder::beside_curves(double tolerance, Joint joint, const Move& next, double off) {
   if (joint != Joint::corner && off > 0.0 && next.tolerance >= 0.0) tolerance = std::min(tolerance, next.tolerance);
   const double room = std::min(std::max(off, before_.off), 0.5 * tolerance);

@@ -10,7 +10,7 @@
 
 namespace accdec {
 
-/// Where the labels of a panel stand: in its title, each at the end of its line, or in a column beside the plot. None
+/// Place of a panel's labels: in its title, each at the end of its line, or in a column beside the plot. None
 /// stand there if the page has one legend.
 enum class LegendKind { none, title, ends, column };
 LegendKind legend_kind(const Figure& figure, const Panel& panel);

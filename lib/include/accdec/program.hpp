@@ -161,8 +161,7 @@ struct ProgramResult {
                                                 ///< of an arc are one block), as the plan at the programmed feeds
   std::string exact_stop_breaks;                ///< the limit that this nevertheless breaks most; empty: it holds all
   std::optional<double> cycle_time_no_delay;    ///< s, of a command: no delay but where the program stops
-  double lower_bound =
-      0.0;  ///< s, of any motion; at the programmed feeds, rapid moves at their axes' largest velocity
+  double lower_bound = 0.0;  ///< s, of any motion; at the programmed feeds, rapid moves at their axes' largest velocity
   std::optional<double> filter_bound;       ///< s, of filters and delays; at the programmed feeds, where asked for
   std::optional<CornerBound> corner_bound;  ///< by whoever asks for it
   std::int64_t peak_memory = 0;             ///< bytes of the process, by whoever runs it; 0: not asked for
@@ -288,8 +287,13 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
                                       const std::function<void(const std::string&)>& progress,
                                       const Deadline& deadline = {});
 
-/// The plans of a program. fixed: one filter for all of it. profiles: a filter and a speed at every corner, or one
-/// filter if that is faster. free: a position for every sample.
+/// The plans of a program.
+///
+/// fixed: one filter for all of it.
+///
+/// profiles: a filter and a speed at every corner, or one filter if that is faster.
+///
+/// free: a position for every sample.
 enum class PlanKind { fixed, profiles, free };
 
 /// Options of plan fixed.

@@ -91,7 +91,7 @@ class Scheduler {
         apart_(behind_.longest_order() + 2),
         joints_(path.blocks()),
         chosen_(path.blocks()) {
-    // Where the path is symmetric, a corner is about as far from it as the path is from the legs.
+    // If the path is symmetric, a corner is about as far from it as the path is from the legs.
     for (std::size_t b = 0; b < path.blocks(); ++b)
       joints_[b].tolerance = std::min(path.tolerance[b], path.contour_max);
     for (const auto& [block, delay] : path.given) {

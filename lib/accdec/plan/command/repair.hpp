@@ -57,7 +57,7 @@ class Repair {
   void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
   /// @param use  of a bound on a distance, > 1
   void mend(std::size_t joint, double use, RepairWork& work) const;
-  /// Mends where the motion leaves the path. Where longer delays are no help, the blocks there are slowed.
+  /// Mends where the motion leaves the path. If longer delays are no help, the blocks there are slowed.
   void mend(const Simulation::OffPath& off, RepairWork& work) const;
   void blame(std::uint32_t block, RepairWork& work) const;
   /// Largest factor <= 1 on its feed with which a block surely starts and stops within the limits.
