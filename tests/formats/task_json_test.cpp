@@ -45,7 +45,7 @@ TEST(TaskJson, RotaryAxesHaveKeysOfTheirOwn) {
   const Task task = parse_task(head +
                                    "velocity_max_deg_s = 120\nacceleration_max_deg_s2 = 3000\n"
                                    "jerk_max_deg_s3 = 90000\ninertia_kg_m2 = 0.8\ntorque_max_N_m = 60\n"
-                                   "force_rms_N = 700\n[controller]\nposition_unit_um = 0.1\n",
+                                   "torque_rms_N_m = 40\n[controller]\nposition_unit_um = 0.1\n",
                                "task", program);
   const Axis& a = task.machine.axes[1];
   EXPECT_EQ(a.velocity_max, 0.12);
@@ -54,12 +54,12 @@ TEST(TaskJson, RotaryAxesHaveKeysOfTheirOwn) {
   const double radians = 1000.0 * std::acos(-1.0) / 180.0;                                     // in 1 m
   EXPECT_NEAR(a.mass * 3.0 * 0.12, 0.8 * (3.0 * radians) * (0.12 * radians), 1e-12 * a.mass);  // W
   EXPECT_NEAR(a.force_max * 0.12, 60.0 * (0.12 * radians), 1e-9);
-  EXPECT_EQ(a.force_rms_max, 700.0);
+  EXPECT_NEAR(a.force_rms_max * 0.12, 40.0 * (0.12 * radians), 1e-9);
   EXPECT_DOUBLE_EQ(task.machine.position_unit, 1e-7);
   EXPECT_TRUE(task.notes.empty());
   const std::string text = task_to_toml(task);
   for (const char* line : {"velocity_max_deg_s = 120.0\n", "inertia_kg_m2 = 0.8\n", "torque_max_N_m = 60.0\n",
-                           "force_rms_N = 700.0\n", "position_unit_um = 0.1\n"})
+                           "torque_rms_N_m = 40.0\n", "position_unit_um = 0.1\n"})
     EXPECT_THAT(text, HasSubstr(line));
   EXPECT_EQ(task_to_toml(parse_task(text, "again", program)), text);
   const Task before = parse_task(head + "velocity_max_mm_s = 120\n", "task", program);

@@ -206,7 +206,7 @@ void Builder::give_delay(std::size_t b) {
 double Builder::beside_curves(double tolerance, Joint joint, const Move& next, double off) {
   if (joint != Joint::corner && off > 0.0 && next.tolerance >= 0.0) tolerance = std::min(tolerance, next.tolerance);
   const double room = std::min(std::max(off, before_.off), 0.5 * tolerance);
-  if (!(room > 0.0 && tolerance < unlimited)) return tolerance;
+  if (!(room > 0.0 && tolerance < unlimited && options_.room_for_chords)) return tolerance;
   path_.narrowed = std::max(path_.narrowed, room);
   return tolerance - room;
 }

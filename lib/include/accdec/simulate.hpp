@@ -259,6 +259,7 @@ struct ToolpathOptions {
   bool clamp_feeds = false;           ///< feeds above an axis' velocity limit are lowered to it, else they are an error
   bool widen_arcs = false;            ///< see Toolpath
   bool rapid_stops = false;           ///< stop wherever rapid and feed moves meet
+  bool room_for_chords = true;        ///< see Toolpath::narrowed; results of accdec.program/1 left none
   bool dwells_before_filter = false;  ///< G4 is a given delay, without a stop where the program does not stop anyway
 };
 
@@ -267,7 +268,6 @@ struct ToolpathOptions {
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
-
 /// Reads a whole program.
 /// @throws ReadError as read_program. Also for an axis that the machine does not have, and for a corner without
 /// tolerance. Also for a feed above an axis' velocity limit, and for a rapid move of an axis without velocity limit.

@@ -64,9 +64,7 @@ void estimate_again(const ProgramRecord& record, const Toolpath& programmed, Pro
 /// Holds the commands against the program, and makes what is recorded of it again.
 void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
   const ProgramInputs& in = record.inputs;
-  // Results of accdec.program/1 left no room beside arcs for what their chords are off them.
-  const double wider = record.schema == ProgramSchema::program_1 ? programmed.narrowed : 0.0;
-  if (const std::string wrong = departs_from(record.result.plan.path, programmed, wider); !wrong.empty())
+  if (const std::string wrong = departs_from(record.result.plan.path, programmed); !wrong.empty())
     check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
   else if (record.task.settings)
     check_corner_feeds(record.result, record.task, programmed, check.reasons);

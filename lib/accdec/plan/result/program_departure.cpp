@@ -46,12 +46,8 @@ bool same_time(double a, double b) {
 /// Walks along the commands that a programmed block became.
 class DepartureWalk {
  public:
-  DepartureWalk(const Toolpath& commanded, const Toolpath& programmed, double wider = 0.0)
-      : commanded_(commanded),
-        programmed_(programmed),
-        wider_(wider),
-        own_(dwells(commanded)),
-        asked_(dwells(programmed)) {}
+  DepartureWalk(const Toolpath& commanded, const Toolpath& programmed)
+      : commanded_(commanded), programmed_(programmed), own_(dwells(commanded)), asked_(dwells(programmed)) {}
 
   std::string run() {
     for (std::size_t b = 0; b < programmed_.blocks(); ++b, ++at_) {
@@ -104,7 +100,7 @@ class DepartureWalk {
       if (programmed_.joint[b] != commanded_.joint[at_] || programmed_.inside_arc[b] != commanded_.inside_arc[at_])
         return "its end is recorded as of another kind";
       const double own = commanded_.tolerance[at_], asked = programmed_.tolerance[b];
-      if (own > (asked + wider_) * (1.0 + 1e-9)) return "the tolerance is wider than the program's";
+      if (own > asked * (1.0 + 1e-9)) return "the tolerance is wider than the program's";
       if (own < asked * (1.0 - 1e-9)) return "the tolerance is narrower than the program's";
     }
     const auto own = own_.find(at_);
@@ -115,7 +111,6 @@ class DepartureWalk {
   }
 
   const Toolpath &commanded_, &programmed_;
-  const double wider_;
   std::vector<std::uint32_t> ends_;  // commands at the ends of programmed blocks
   std::map<std::size_t, double> own_, asked_;
   std::size_t at_ = 0;  // of the commands
@@ -123,12 +118,12 @@ class DepartureWalk {
 
 }  // namespace
 
-std::string departs_from(const Toolpath& commanded, const Toolpath& programmed, double wider) {
+std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) {
   if (commanded.axes != programmed.axes) return "other axes move than in the program";
   if (distance(commanded.asked(0), programmed.point(0), programmed.dimensions()) > departure_rounding)
     return "it begins elsewhere";
   if (!same_time(commanded.dwell_first, programmed.dwell_first)) return "the dwell before the first block is another";
-  return DepartureWalk(commanded, programmed, wider).run();
+  return DepartureWalk(commanded, programmed).run();
 }
 
 void take_arcs(Toolpath& commanded, const Toolpath& programmed) {

@@ -9,8 +9,7 @@ namespace accdec {
 /// Compares a commanded path with the program. Every programmed point must be passed in order and on straight lines
 /// between the points. No feed may be above the programmed one. Tolerances, joints and lines must be the same, and
 /// every stop and dwell kept. Empty if all agree, else the first difference.
-/// @param wider  m, by which tolerances may be wider
-std::string departs_from(const Toolpath& commanded, const Toolpath& programmed, double wider = 0.0);
+std::string departs_from(const Toolpath& commanded, const Toolpath& programmed);
 
 /// Gives a commanded path the arcs of the program, at the commands that their chords became; none if it departs.
 void take_arcs(Toolpath& commanded, const Toolpath& programmed);
