@@ -164,14 +164,15 @@ class Ways:
         if self.kinds - {"continuous", "dwell", "timed-axis", "exact-stop", "in-position", "corner-feed"}:
             raise NotCovered(f"delays of the kinds {sorted(self.kinds)}")
         self.corners, self.any = range(len(problem.corners)), bool({"dwell", "timed-axis"} & self.kinds)
+        self.slow = "corner-feed" in self.kinds
         self.longest = len(member.taps) + len(problem.response)  # longer delays change nothing
         self.step = number(controller.get("corner_feed_step", Fraction(1, 20)))
         self.latency = round(number(controller.get("in_position_latency_ms", 0)) / 1000 / problem.period)
         self.actual = controller.get("in_position_of") == "actual"
 
     def far(self):
-        """Whether the corners' errors alone surely need delays that cost as much as the room."""
-        return "corner-feed" not in self.kinds and self._cost(map(self.member.nearest, self.corners)) >= self.room
+        """Whether the corners' errors alone, at their feeds, surely need delays that cost as much as the room."""
+        return self._cost(map(self.member.nearest, self.corners)) >= self.room
 
     def too_dear(self):
         """Whether all ways that hold all limits surely cost as much as the room."""
@@ -218,7 +219,7 @@ class Ways:
                 break
             if not self.member.breaks(j, d):
                 least = d
-        if "corner-feed" in self.kinds and not corner.delay:
+        if self.slow and not corner.delay:
             for i in range(ceil(1 / self.step) - 1, 0, -1):
                 lost = 2 * self.longest * (1 - i * self.step)
                 if lost >= min(room, least):
@@ -240,7 +241,7 @@ def refute(problem, task, target):
         if target is not None:
             room = target - problem.filter_cost * len(taps)
         ways = Ways(problem, task.get("controller", {}), member, room)
-        broken = member.steep() or ways.far() or member.starts_or_stops_break() or member.rings()
+        broken = not ways.slow and (member.steep() or ways.far()) or member.starts_or_stops_break() or member.rings()
         if not broken and not ways.too_dear():
             raise Refused(f"a member of the family {family} with {len(taps)} taps is not refuted")
         refuted += 1

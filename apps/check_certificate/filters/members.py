@@ -37,14 +37,17 @@ class Filter:
         return self.gone if self.motion is self.command else [exact(0), *accumulate(self.motion)]
 
     def steep(self):
-        """Whether a tap or a difference of two is surely above what every filter may have."""
+        """Whether a tap or a difference of two is surely above what any filter may have. Corners keep their feeds."""
         steps = zip([exact(0), *self.command], [*self.command, exact(0)])
         steep = any(abs(b - a).lo > self.limits.ramp_max for a, b in steps)
         return steep or any(b.lo > self.limits.tap_max for b in self.command)
 
     def starts_or_stops_break(self):
-        still = exact(max(max(c.feed_in, c.feed_out) for c in self.problem.corners) * STILL)
-        events = [(exact(0), x) for x, _ in self.limits.ends], [(x, exact(0)) for _, x in self.limits.ends]
+        corners, zero = self.problem.corners, exact(0)
+        still = exact(max(max(c.feed_in, c.feed_out) for c in corners) * STILL)
+        starts, stops = ([Enclosure(max(abs(x).lo for x in axis)) for axis in zip(*legs)]
+                         for legs in ((c.speed_in for c in corners), (c.speed_out for c in corners)))
+        events = [(zero, x) for x in starts], [(x, zero) for x in stops]
         return any(self.axes_break(legs, 0, still) for legs in events)
 
     def rings(self, j=None, delay=0):
