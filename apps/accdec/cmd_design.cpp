@@ -15,6 +15,7 @@
 #include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
+#include <accdec/formats/controller_file.hpp>
 #include <accdec/study/baseline_table.hpp>
 #include <accdec/task.hpp>
 
@@ -102,6 +103,11 @@ DesignOptions asked_options(const DesignArguments& arguments, const Task& task, 
   return options;
 }
 
+/// Whether every setting of the task's control was looked at, and none holds all limits.
+bool no_setting_holds(const DesignResult& result) {
+  return result.solver.name == "families" && !result.has_design() && result.stop == StopReason::finished;
+}
+
 void run(const DesignArguments& arguments, Context& context) {
   const auto began = std::chrono::steady_clock::now();
   const Task task = read_task(arguments.task, {.response = Considered::common});
@@ -120,6 +126,12 @@ void run(const DesignArguments& arguments, Context& context) {
     return design_task(task, told);
   }();
 
+  if (no_setting_holds(result)) {
+    // As for bad input, nothing is written.
+    std::fprintf(stderr, "%s\n", error_at_family(arguments.task, result.message).what());
+    context.exit_code = exit_no_answer;
+    return;
+  }
   const auto left = [&] { return arguments.time_limit - seconds_since(began); };
   const bool shown = !context.quiet && arguments.json != "-";
   std::optional<study::BaselineTable> table;

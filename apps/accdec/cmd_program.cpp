@@ -152,8 +152,11 @@ std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context&
                               [&](const std::string& line) { status.tell(line); });
   }
   if (result->plan.empty()) {
-    const bool delays = only_runs_on(task);
-    const std::string why = delays ? error_at_delays(options.task, result->message).what() : result->message;
+    std::string why = result->message;
+    if (only_runs_on(task))
+      why = error_at_delays(options.task, why).what();
+    else if (task.settings && task.settings->names_family())
+      why = error_at_family(options.task, why).what();
     std::fprintf(stderr, "%s\n", why.c_str());
     context.exit_code = exit_no_answer;
     return {};

@@ -82,6 +82,36 @@ TEST(CliControllers, SetsOfATaskMayDifferByStage) {
   EXPECT_EQ(run({"verify", result}).code, 0);
 }
 
+/// Filters of 10 ms accelerate an axis at 100 mm/s by 10000 mm/s^2 or more, and 6000 are allowed.
+TEST(CliControllers, FamiliesWithoutAMemberThatHoldsAreRefusedAtTheirPlace) {
+  const TemporaryFolder folder;
+  const std::string machine =
+      "[[axis]]\nacceleration_max_mm_s2 = 6000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n";
+  for (const char* family : {"averages", "exponential", "gaussian", "windowed-sinc"}) {
+    const std::string task =
+        folder.write("t.toml", std::string("sample_period_ms = 1\n[design]\nfamily = \"") + family +
+                                   "\"\nstages = 1\nlength_max_ms = 10\norder_max = 100\n" + machine);
+    const Outcome refused = run({"design", task, "--json", folder.path("r.json")});
+    EXPECT_EQ(refused.code, 1) << family;
+    EXPECT_THAT(refused.err, HasSubstr("t.toml:3:10: no setting of")) << family;
+    EXPECT_THAT(refused.err, HasSubstr("breaks acceleration")) << family;
+    EXPECT_THAT(refused.err, HasSubstr("the nearest that do")) << family;
+    EXPECT_THAT(refused.out, IsEmpty());
+    EXPECT_FALSE(std::filesystem::exists(folder.path("r.json"))) << family;
+  }
+  // A controller's file; a pole.
+  folder.write("own.toml",
+               "title = \"own\"\nfamily = \"one-pole\"\n[[stage]]\nparameter = \"TAU\"\nlength_max_ms = 10\n"
+               "[[source]]\nfact = \"none\"\nwhere = \"nowhere\"\n");
+  const std::string task =
+      folder.write("t.toml", "sample_period_ms = 1\n[controller]\nfile = \"own.toml\"\n" + machine);
+  const Outcome refused = run({"design", task});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("t.toml:3:8: no setting of"));
+  // A pole's first tap is 1 - exp(-T/tau): 0.1 m/s of it in 1 ms are 9.516 m/s^2, 158.6 % of 6.
+  EXPECT_THAT(refused.err, HasSubstr("the closest, TAU = 10 ms, breaks acceleration x: 158.6 %"));
+}
+
 TEST(CliControllers, UnknownOnesAndBrokenFilesAreRefused) {
   const TemporaryFolder folder;
   const Outcome unknown = run({"controllers", "kolmorgen-akd"});

@@ -63,9 +63,10 @@ TEST(Quantise, JerkAsCounted) {
   EXPECT_EQ(result.status, Status::feasible) << "free taps are faster, so nothing is proved of whole ones";
 }
 
+/// tests/nightly/whole-coefficients has all shipped tasks, those of several weighted corners too.
 TEST(Quantise, SixteenBitsLoseAtMostASampleOrAPercent) {
-  for (const char* name : {"acceleration-jerk", "exact-stop", "flat-angle", "force-friction", "sharp-angle", "six-axes",
-                           "unequal-feeds", "vibration-band"}) {
+  for (const char* name : {"acceleration-jerk", "exact-stop", "flat-angle", "force-friction", "minimum-speed", "power",
+                           "regeneration", "sharp-angle", "six-axes", "unequal-feeds", "vibration-band"}) {
     SCOPED_TRACE(name);
     Task task = read_task(test_support::source_folder() + "/problems/corner/" + name + ".toml");
     task.design.coefficient_bits = 16;

@@ -282,13 +282,13 @@ TEST(Settings, SurviveFiles) {
 TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
   const DesignResult result = design_task(corner_task("[design]\nfamily = \"averages\"\nlength_max_ms = 10\n"));
   EXPECT_EQ(result.status, Status::infeasible);
-  EXPECT_THAT(result.message, HasSubstr("the longest averages break jerk"));
+  EXPECT_THAT(result.message, HasSubstr("the closest, averages of 10 ms and 10 ms, breaks jerk"));
   EXPECT_THAT(result.message, HasSubstr("averages of 17 ms and 13 ms"));
   EXPECT_THAT(verify_result(result).reasons, IsEmpty());
   EXPECT_THAT(design_task(corner_task("[design]\nfamily = \"averages\"\norder_max = 60\n[[mode]]\nfrequency_Hz = 40\n"
                                       "damping_ratio = 0.02\nresidual_max = 0\n"))
                   .message,
-              HasSubstr("break vibration: more than its bound of 0 at 40 Hz"));
+              HasSubstr("breaks vibration: more than its bound of 0 at 40 Hz"));
   // The same certificate is no proof for a control that may set more.
   DesignResult forged = result;
   for (SettableStage& stage : forged.task.settings->stages) stage.length_max = 0.0;

@@ -241,7 +241,9 @@ TEST_F(ProgramCommand, AFamilyWithoutASettingThatHoldsIsSaid) {
   write("part.ngc", test::corner_program);
   const Output none = run("program part.ngc --feeds keep --task control.toml --json r.json");
   EXPECT_EQ(none.code, 1);
-  EXPECT_THAT(none.err, HasSubstr("no setting of 1 average that was planned holds all limits"));
+  EXPECT_THAT(none.err, HasSubstr("control.toml:9:10: no setting of 1 average that was planned holds all limits"));
+  EXPECT_THAT(none.err, HasSubstr("at programmed feeds, the closest, one average of 3 ms, breaks jerk"));
+  EXPECT_THAT(none.err, HasSubstr("the nearest that do"));
 }
 
 // At a thousandth of the feed, 33 um/s, a corner passed without waiting leaves out more than a nanometre with any

@@ -109,6 +109,21 @@ def controllers(page):
         page.same(f"{name}, {length} ms", row["set"], f"{result['cycle_time_s']:.3f}")
 
 
+def recipes(page):
+    """Averages take as long as the page says where the task gives them as its filter."""
+    mill = (page.source / "problems/program/mill.toml").read_text()
+    for row in page.rows("recipe", "program"):
+        if row["program"] not in ("zigzag", "star") or "taps" in row["filter"]:
+            continue
+        lengths = [int(length) for length in re.findall(r"(\d+) ms", row["filter"])]
+        lengths *= 2 if "twice" in row["filter"] else 1
+        given = f'[filter]\nkind = "averages"\nlengths = {lengths}\n'
+        task = page.task(re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", given, mill) + "[program]\nerror_max_um = 20\n")
+        program = page.source / f"problems/program/{row['program']}.ngc"
+        result = page.result("program", program, "--feeds", "keep", "--task", task)
+        page.same(f"{row['program']}, {row['filter']}", row["best"], f"{result['cycle_time_s']:.3f}")
+
+
 def programs(page):
     task = page.source / "problems/program/mill.toml"
     without_filter = re.sub(r"(?ms)^\[filter\].*?(?=^\[\[)", "", task.read_text())
@@ -144,5 +159,6 @@ CHECKS = {
     "program/estimates.md": estimates,
     "program/linuxcnc-loop.md": linuxcnc_loop,
     "program/controllers.md": controllers,
+    "program/recipes.md": recipes,
     "program/programs.md": programs,
 }

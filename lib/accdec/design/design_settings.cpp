@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/certificate/family_check.hpp>
@@ -11,6 +14,7 @@
 #include <accdec/design/design_settings.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
@@ -21,45 +25,45 @@ namespace {
 /// Longest search for what free taps would do, s.
 constexpr double free_taps_seconds = 10.0;
 
-/// The worst limit that the longest averages break with the longest delays of the controller; empty if there is none,
-/// or if the controller has no averages.
-std::string longest_break(const Task& task) {
-  const ControllerSettings& settings = *task.settings;
-  const SettingFamily first = settings.families.front();
-  if (first != SettingFamily::averages && first != SettingFamily::shaper) return "";
-  const int stages = static_cast<int>(settings.stages.size());
-  FilterSpec spec{.kind = Shape::averages};
-  for (const SettableStage& stage : settings.stages) {
-    const std::vector<int> lengths = settable_lengths(stage, task.sample_period, task.design.order_max / stages + 1);
-    spec.lengths.push_back(lengths.empty() ? 1 : lengths.back());
-    spec.order += spec.lengths.back() - 1;
+/// The task with all limits wider by this factor. A bound of zero grows, too.
+Task widened(Task task, double factor) {
+  const double residual = 1e-3 * (factor - 1.0), distance = 1e-6 * (factor - 1.0);
+  for (Axis& axis : task.machine.axes) {
+    for (const AxisLimit& limit : axis_limits) axis.*limit.bound *= factor;
   }
-  const auto& kinds = settings.delays;
-  const bool never_stops = !kinds.empty() && std::all_of(kinds.begin(), kinds.end(),
-                                                         [](DelayKind kind) { return kind == DelayKind::continuous; });
-  const std::vector<int> delays(task.corners.size(), never_stops ? 0 : spec.order + 2);
-  const VerificationReport report = verify_by_simulation(task, make_filter(spec), delays);
-  return report.feasible ? "" : report.worst;
+  task.machine.power_total_max *= factor, task.machine.regeneration_total_max *= factor;
+  for (Mode& mode : task.machine.modes) {
+    mode.residual_max = mode.residual_max * factor + residual;
+    mode.displacement_max = mode.displacement_max * factor + distance;
+  }
+  for (TaskCorner& corner : task.corners) {
+    for (auto* tolerance : {&corner.error_max, &corner.contour_max}) {
+      if (*tolerance) *tolerance = **tolerance * factor + distance;
+    }
+    corner.speed_min /= factor;
+  }
+  return task;
 }
 
-/// The worst limit of the slowest member, and the nearest settings beyond steps and caps that hold all limits.
-std::string no_member(const Task& task, double seconds, const std::atomic<bool>* cancel) {
-  std::string text = fmt::format("no setting of {} holds all limits", families_in_words(*task.settings));
-  Task lifted = task;
-  lifted.settings->delays.clear();
-  for (SettableStage& stage : lifted.settings->stages) {
-    stage.length_step = stage.length_max = 0.0;
-    stage.length_set.clear();
+/// The member that needs the least widening of all limits, to 1 % or as far as the time allows, and the limit that it
+/// breaks most. Empty if none is found.
+std::string closest_break(const Task& task, double seconds, const std::atomic<bool>* cancel) {
+  const auto began = std::chrono::steady_clock::now();
+  SettableDesign closest;
+  double broken = 1.0, held = unlimited;
+  while (held > 1.01 * broken && broken < 1e6) {
+    // Up by larger and larger steps, then down by bisection.
+    const double factor = held < unlimited ? std::sqrt(broken * held) : 2.0 * broken * broken;
+    SettableDesign found = best_settings(widened(task, factor), seconds - seconds_since(began), cancel);
+    if (!found.chosen && !found.complete) break;
+    (found.chosen ? held : broken) = factor;
+    if (found.chosen) closest = std::move(found);
   }
-  if (const std::string broken = longest_break(task); !broken.empty())
-    text += fmt::format("; the longest averages break {}", broken);
-  const SettableDesign near = best_settings(lifted, seconds, cancel);
-  if (near.chosen)
-    return fmt::format("{}; the nearest that do, with any step, length and delay: {}", text,
-                       settings_in_words(*near.chosen));
-  if (near.complete)
-    text += fmt::format("; none does up to order {}, whatever step, length and delay", task.design.order_max);
-  return text;
+  if (!closest.chosen) return "";
+  const VerificationReport report = verify_by_simulation(task, make_filter(closest.chosen->filter),
+                                                         closest.delays.delays, nullptr, nullptr, closest.delays.parts);
+  if (report.feasible) return "";
+  return fmt::format("the closest, {}, breaks {}", settings_in_words(*closest.chosen), report.worst);
 }
 
 /// Adds the proof that no member of the families is shorter.
@@ -120,6 +124,25 @@ void compare_with_today(DesignResult& result) {
 
 }  // namespace
 
+std::string why_no_setting_holds(const Task& task, double seconds, const std::atomic<bool>* cancel) {
+  std::vector<std::string> reasons;
+  if (std::string broken = closest_break(task, 0.5 * seconds, cancel); !broken.empty())
+    reasons.push_back(std::move(broken));
+  Task lifted = task;
+  lifted.settings->delays.clear();
+  for (SettableStage& stage : lifted.settings->stages) {
+    stage.length_step = stage.length_max = 0.0;
+    stage.length_set.clear();
+  }
+  const SettableDesign near = best_settings(lifted, 0.5 * seconds, cancel);
+  if (near.chosen)
+    reasons.push_back(
+        fmt::format("the nearest that do, with any step, length and delay: {}", settings_in_words(*near.chosen)));
+  else if (near.complete)
+    reasons.push_back(fmt::format("none does up to order {}, whatever step, length and delay", task.design.order_max));
+  return fmt::format("{}", fmt::join(reasons, "; "));
+}
+
 DesignResult design_settings(const Task& asked, const DesignOptions& options) {
   if (options.method == Method::nlp)
     throw std::invalid_argument("the task names a family: its members are enumerated, and no solver is used");
@@ -143,8 +166,11 @@ DesignResult design_settings(const Task& asked, const DesignOptions& options) {
   if (result.has_design() || result.status == Status::infeasible) prove(best, late, result);
   if (result.status == Status::infeasible && !result.certificate) result.status = Status::failed;
   if (!best.chosen && best.complete) {
-    const std::string reason = no_member(task, std::clamp(left(), 0.0, free_taps_seconds), options.cancel);
-    result.message = result.message.empty() ? reason : fmt::format("{}; {}", reason, result.message);
+    std::vector<std::string> reasons{
+        fmt::format("no setting of {} holds all limits", families_in_words(*task.settings)),
+        why_no_setting_holds(task, std::clamp(left(), 0.0, free_taps_seconds), options.cancel), result.message};
+    std::erase(reasons, "");
+    result.message = fmt::format("{}", fmt::join(reasons, "; "));
   }
   if (result.has_design() && !late()) compare_with_taps(options, std::clamp(left(), 1e-3, free_taps_seconds), result);
   if (result.has_design()) compare_with_today(result);

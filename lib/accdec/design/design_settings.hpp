@@ -1,5 +1,8 @@
 #pragma once
 
+#include <atomic>
+#include <string>
+
 #include <accdec/design.hpp>
 
 namespace accdec {
@@ -11,5 +14,10 @@ namespace accdec {
 /// is one. The result's savings are against it, with delays of the same kinds.
 /// @param task  with settings that name a family
 DesignResult design_settings(const Task& task, const DesignOptions& options);
+
+/// Explains to people why no setting of a task holds all limits. The first part is the setting that comes closest, with
+/// the limit that it breaks most. The second is the nearest that holds them, beyond steps, caps and kinds of delays. A
+/// part is missing where it is not found in time, the first also where some setting holds.
+std::string why_no_setting_holds(const Task& task, double seconds, const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace accdec

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -184,6 +186,19 @@ SettableStage sampled(const ControllerStage& given, double period) {
   return stage;
 }
 
+/// The message at the first of these keys that the task file has.
+InputError error_at_first(const std::vector<std::pair<const char*, const char*>>& keys, const std::string& task,
+                          const std::string& message) {
+  const toml::table tree = toml_input::parse_toml(read_text_file(task), task);
+  for (const auto& [table, key] : keys) {
+    const auto found = tree[table][key];
+    if (found.node() == nullptr) continue;
+    const toml::source_position at = found.node()->source().begin;
+    return {task, static_cast<long>(at.line), static_cast<long>(at.column), message};
+  }
+  return {task, 0, 0, message};
+}
+
 }  // namespace
 
 const FileKind& controller_file() {
@@ -243,14 +258,11 @@ ControllerSettings settings_of(const Controller& controller, double period) {
 }
 
 InputError error_at_delays(const std::string& task, const std::string& message) {
-  const toml::table tree = toml_input::parse_toml(read_text_file(task), task);
-  for (const char* key : {"delays", "name", "file"}) {
-    const auto found = tree["controller"][key];
-    if (found.node() == nullptr) continue;
-    const toml::source_position at = found.node()->source().begin;
-    return {task, static_cast<long>(at.line), static_cast<long>(at.column), message};
-  }
-  return {task, 0, 0, message};
+  return error_at_first({{"controller", "delays"}, {"controller", "name"}, {"controller", "file"}}, task, message);
+}
+
+InputError error_at_family(const std::string& task, const std::string& message) {
+  return error_at_first({{"design", "family"}, {"controller", "name"}, {"controller", "file"}}, task, message);
 }
 
 }  // namespace accdec

@@ -65,5 +65,7 @@ ControllerSettings settings_of(const Controller& controller, double period);
 
 /// The message at the place of a task file that names its delays: [controller] delays, else its name or file.
 InputError error_at_delays(const std::string& task, const std::string& message);
+/// The same for its filters: [design] family, else the controller's name or file.
+InputError error_at_family(const std::string& task, const std::string& message);
 
 }  // namespace accdec

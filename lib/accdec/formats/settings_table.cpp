@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -240,6 +241,14 @@ void read_parameters(const Table& table, ControllerSettings& settings) {
   }
 }
 
+/// The family that a key of [design] is of; the first of several.
+SettingFamily family_of_key(std::string_view key) {
+  if (key == "shaper") return SettingFamily::shaper;
+  const auto* grid =
+      std::find_if(std::begin(grid_steps), std::end(grid_steps), [=](const GridStep& step) { return step.key == key; });
+  return grid == std::end(grid_steps) ? SettingFamily::averages : grid->family;
+}
+
 }  // namespace
 
 bool any_delay(const std::vector<DelayKind>& kinds) {
@@ -255,7 +264,8 @@ std::optional<ControllerSettings> read_settings(const std::optional<Table>& desi
   if (design && !family && !times) {
     for (const Key& key : setting_keys()) {
       if (design->has(key.name))
-        design->fail_at(key.name, fmt::format("`{}` goes with `family`; allowed is family = \"averages\"", key.name));
+        design->fail_at(key.name, fmt::format("`{}` goes with `family`; allowed is family = \"{}\"", key.name,
+                                              to_string(family_of_key(key.name))));
     }
   }
   ControllerSettings settings = named.value_or(ControllerSettings{});

@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include <accdec/design/design_settings.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/representative_task.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
@@ -201,6 +203,9 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
   if (!found.best) {
     result.message = fmt::format("no setting of {} that was planned holds all limits of the program",
                                  families_in_words(*task.settings));
+    constexpr double seconds = 2.0;
+    const std::string why = why_no_setting_holds(representative_task(path, task), seconds);
+    if (!why.empty()) result.message += fmt::format("; at programmed feeds, {}", why);
     if (keep && runs_on(control_of(*task.settings, 0.0)))
       result.message +=
           "; the control's `delays` hold a tolerance by lower feeds alone, and --feeds keep commands the programmed "
