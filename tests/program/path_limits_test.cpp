@@ -15,8 +15,8 @@
 #include "program_command.hpp"
 #include "reference.hpp"
 
-// What a program's motion does to its path, what it leaves vibrating, and axes with different servos: against
-// oscillators and loops integrated in small steps, and against distances of dense points.
+// Contours, modes of axes and axes with different servos in programs. Oscillators and loops are integrated in small
+// steps, distances are those of dense points.
 
 namespace accdec {
 namespace {
@@ -138,7 +138,8 @@ TEST(ProgramPath, ModesOfAxesAreHeldBehindEveryCorner) {
   }
 }
 
-/// A bound that no start from rest holds at the programmed feed lowers feeds; one of almost nothing is not met silently.
+/// A bound that no start from rest holds at the programmed feed lowers feeds; one of almost nothing is not met
+/// silently.
 TEST(ProgramPath, ModesOfAxesLowerFeeds) {
   Task task = path_task();
   Mode mode{40.0, 44.0, 1.0};
@@ -205,8 +206,7 @@ TEST(ProgramPath, AxesThatDifferFollowTheirOwnLoops) {
       Task task = path_task();
       task.machine.axes[0].servo_gain = 300.0, task.machine.axes[1].servo_gain = 200.0;
       if (bound < unlimited) task.program_contour_max = bound;
-      const ProgramResult result =
-          run_program("part", read_path(part, task), trapezoid(60, 20), task, false, feeds);
+      const ProgramResult result = run_program("part", read_path(part, task), trapezoid(60, 20), task, false, feeds);
       ASSERT_TRUE(result.verification.feasible) << result.message;
       const auto motion = followed(positions(result.plan, task.sample_period, false), task);
       const auto said = positions(result.plan, task.sample_period, true);
@@ -244,10 +244,12 @@ class PathCommand : public ProgramCommand {
 };
 
 TEST_F(PathCommand, ResultsAreVerifiedByOtherFormulas) {
-  task(axis("x", "servo_gain_1_s = 250\n") + axis("y", "servo_gain_1_s = 180\n"),
-       "contour_max_um = 30\n[[mode]]\nfrequency_Hz = 45\nfrequency_spread = 0.05\ndamping_ratio = [0.01, 0.03]\naxis = "
-       "\"y\"\nresidual_max_um = 8\n");
-  ASSERT_EQ(run("program part.ngc --task path.toml --json r.json --time-limit 10").code, 0) << read("err") << read("out");
+  task(
+      axis("x", "servo_gain_1_s = 250\n") + axis("y", "servo_gain_1_s = 180\n"),
+      "contour_max_um = 30\n[[mode]]\nfrequency_Hz = 45\nfrequency_spread = 0.05\ndamping_ratio = [0.01, 0.03]\naxis = "
+      "\"y\"\nresidual_max_um = 8\n");
+  ASSERT_EQ(run("program part.ngc --task path.toml --json r.json --time-limit 10").code, 0)
+      << read("err") << read("out");
   EXPECT_THAT(read("out"), HasSubstr("axes have different servos"));
   const auto result = nlohmann::ordered_json::parse(read("r.json"));
   EXPECT_TRUE(result["servo"]["axes_differ"]);

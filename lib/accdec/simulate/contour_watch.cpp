@@ -114,9 +114,8 @@ void ContourWatch::finish(Simulation& result) const {
   result.limits.push_back(use);
   result.off = off_;
   const auto same = [](const Simulation::OffPath& a, const Simulation::OffPath& b) { return a.point == b.point; };
-  std::ranges::sort(result.off, [](const auto& a, const auto& b) {
-    return a.point != b.point ? a.point < b.point : a.use > b.use;
-  });
+  std::ranges::sort(
+      result.off, [](const auto& a, const auto& b) { return a.point != b.point ? a.point < b.point : a.use > b.use; });
   result.off.erase(std::unique(result.off.begin(), result.off.end(), same), result.off.end());
 }
 

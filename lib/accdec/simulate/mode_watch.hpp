@@ -12,8 +12,8 @@ namespace accdec {
 /// Adds the use of every mode of an axis by blocks first .. last, and where it is broken.
 ///
 /// Changes of the command's velocity count together, with their phase, until the motion goes on evenly: behind a corner
-/// those of both legs, however long the command rests between them. Where moves overlap, it is all their changes. What
-/// they leave is judged at the filter's last tap for the last change of the axis. A stop ends what came before it.
+/// those of both legs, however long the command rests between them. Where moves overlap, it is all their changes. Their
+/// rest is judged at the filter's last tap for the last change of the axis. A stop ends what came before it.
 /// @param filter  of the command
 /// @throws std::invalid_argument if moves overlap for so long that this is too much work
 void watch_modes(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
