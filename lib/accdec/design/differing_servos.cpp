@@ -94,7 +94,8 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
     best.solver = common.solver;
     best.message = "axes respond differently: verified, and not proved to be the fastest";
   }
-  if (stopped()) best.stop = seconds_since(began) > options.time_limit ? StopReason::time_limit : StopReason::interrupted;
+  if (stopped())
+    best.stop = seconds_since(began) > options.time_limit ? StopReason::time_limit : StopReason::interrupted;
   return best;
 }
 
