@@ -20,7 +20,7 @@ def task_of(rng):
     if "contour_max_um" in corner:
         task["program"]["contour_max_um"] = corner["contour_max_um"]
     axis = task["axis"][0]
-    if "servo_gain_1_s" in axis and rng.random() < 0.5:  # axes that differ
+    if len(task["axis"]) == 1 and "servo_gain_1_s" in axis and rng.random() < 0.5:  # axes that differ
         slower = max(1.0, axis["servo_gain_1_s"] * rng.uniform(0.6, 1.0))
         task["axis"] = [{"name": "x", **axis}, {"name": "y", **axis, "servo_gain_1_s": slower}]
     period, at, heading = task["sample_period_ms"], np.zeros(2), rng.uniform(0.0, 2.0 * math.pi)

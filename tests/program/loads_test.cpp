@@ -287,6 +287,7 @@ TEST_F(LoadsCommand, ProfilesAreHeldAgainstRatings) {
   const double rms = number_of("hot.json", "force_rms_N");
   task("force_max_N = 200\nforce_rms_N = " + std::to_string(0.7 * rms) + "\n");
   ASSERT_EQ(run("program part.ngc --task load.toml --plan profiles --json cool.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("it breaks root mean square of the force"));
   const auto seconds = [&](const char* file) {
     return nlohmann::ordered_json::parse(read(file))["cycle_time_s"].get<double>();
   };

@@ -15,8 +15,8 @@
 #include "program_command.hpp"
 #include "reference.hpp"
 
-// Contours, vibrations and different servos of programs, against oscillators and loops that are integrated in small
-// steps, and against distances of dense points.
+// Contours, modes of axes and axes with different servos in programs. Oscillators and loops are integrated in small
+// steps, distances are those of dense points.
 
 namespace accdec {
 namespace {

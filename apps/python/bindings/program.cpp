@@ -140,7 +140,8 @@ py::object settings(const Program& r) {
 py::object servo(const Program& r) {
   if (!r.servo) return py::none();
   return py::dict(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
-                  py::arg("stop_error") = r.servo->stop_error);
+                  py::arg("stop_error") = r.servo->stop_error,
+                  py::arg("axes_differ") = r.plan.command()->moved.size() > 1);
 }
 
 constexpr const char* no_plan = "there is no plan: ";
@@ -237,6 +238,7 @@ settings : dict or None
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
+    axes_differ: whether axes have different servos, behind which straight legs bend.
 )";
 
 constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";

@@ -33,8 +33,8 @@ void require_end(const Table& table, const Axis& axis, double period) {
 /// One response of all axes.
 void require_common(const Table& table, const Axis& axis, const Axis& first) {
   const auto refuse = [&](std::string_view key) {
-    table.fail_at(key, fmt::format("`{}` of axis {} is not that of axis {}; designs need one response of all axes, "
-                                   "`accdec evaluate` judges a given filter with any",
+    table.fail_at(key, fmt::format("`{}` of axis {} is not that of axis {}; this command needs one response of all "
+                                   "axes, `accdec design` and `accdec evaluate` take any",
                                    key, axis.name, first.name));
   };
   if (axis.servo_gain != first.servo_gain) refuse("servo_gain_1_s");
@@ -44,10 +44,9 @@ void require_common(const Table& table, const Axis& axis, const Axis& first) {
 
 void require_averaging(const Table& table, const Axis& axis) {
   if (std::any_of(axis.response_taps.begin(), axis.response_taps.end(), [](double tap) { return tap < 0.0; })) {
-    table.fail_at(
-        "response_taps",
-        "`response_taps` has a negative tap; designs and programs need taps >= 0, `accdec evaluate` judges a given "
-        "filter with any");
+    table.fail_at("response_taps",
+                  "`response_taps` has a negative tap; this command needs taps >= 0, `accdec design` and `accdec "
+                  "evaluate` take any");
   }
 }
 

@@ -52,6 +52,16 @@ std::string_view rotary_key(std::string_view key) {
   return found == all_keys.end() ? key : found->key;
 }
 
+void refuse_rotary(const toml_input::Table& table) {
+  for (const RotaryKey& one : all_keys) {
+    if (table.has(one.key))
+      table.fail_at(one.key,
+                    fmt::format("`{}` is for a rotary axis, and the only [[axis]] stands for all axes; allowed "
+                                "is one [[axis]] an axis",
+                                one.key));
+  }
+}
+
 void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::string>& notes) {
   const bool turns = is_rotary(axis.name);
   for (const RotaryKey& one : all_keys) {

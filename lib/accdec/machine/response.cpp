@@ -73,7 +73,8 @@ Response::Response(const Machine& machine, double period) {
                       axis.response_taps == machine.axes.front().response_taps;
     servo_.push_back(same ? servo_.front() : servo_of(axis, period));
     const std::vector<double>& taps = servo_.back();
-    common_ = common_ && taps == servo_.front() &&
+    // As proofs see it: equal taps of different gains, fed forward as a whole, count as different.
+    common_ = common_ && (same || servo_.size() == 1) &&
               std::all_of(taps.begin(), taps.end(), [](double tap) { return tap >= 0.0; });
     servo_order_ = std::max(servo_order_, static_cast<int>(taps.size()) - 1);
   }

@@ -201,9 +201,10 @@ bool BlendLimits::supply_holds(const double* in, const double* out, int delay, d
 
 int BlendLimits::smallest(const double* in, const double* out, int from, bool& possible, bool stop) const {
   if (any_delay_holds(in, out, from)) return from;
-  const std::vector<double> rest(machine_.axes.size(), 0.0);
-  const bool alone = !stop || (residuals_hold(in, rest.data(), 0, surely_granted) &&
-                               residuals_hold(rest.data(), out, 0, surely_granted));
+  const bool alone = !stop || std::ranges::all_of(residuals_, [&](const Residual& residual) {
+    const auto a = static_cast<std::size_t>(residual.mode->axis);
+    return std::max(std::abs(in[a]), std::abs(out[a])) * residual.of_one <= surely_granted;
+  });
   const auto held = [&](int delay) {
     return axes_hold(in, out, delay, surely_granted, nullptr) &&
            (stop || residuals_hold(in, out, delay, surely_granted));

@@ -89,6 +89,7 @@ class SummaryText {
         row(describe(other), other.time);
       else
         put("  {}\n", describe(other));
+      if (other.time > 0.0 && !other.broken.empty()) put("    it breaks {}\n", other.broken);
     }
     if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
     // The rows below are then those of the programmed feeds, too.
