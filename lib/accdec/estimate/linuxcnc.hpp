@@ -21,6 +21,7 @@ struct Piece {
   Vector first, last;                  ///< unit directions at both ends
   double length = 0.0, nominal = 0.0;  ///< m; before blends took their parts
   bool arc = false, blend = false, rapid = false;
+  bool others = false;                    ///< another axis than X Y Z moves: it is blended by parabolas only
   Vector center = Vector::Zero();         ///< m, from the arc's start
   Vector axis = Vector::Zero();           ///< unit, across an arc's plane
   Vector center_at_end = Vector::Zero();  ///< m, from the arc's end

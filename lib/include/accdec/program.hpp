@@ -192,7 +192,7 @@ std::vector<std::string> parameters_of_control(std::string_view control);
 /// @param machine  the task's; axes are found by their names
 /// @param given    parameters by their names, in the units of ControlParameter
 /// @throws std::invalid_argument for an unknown control or parameter, a value out of its range, an axis other than X Y
-///         Z, and for a moving axis without acceleration limit
+///         Z (of linuxcnc-2.9: none), and for a moving axis without acceleration limit
 ControlEstimate estimate_time(const Toolpath& path, const Machine& machine, std::string_view control,
                               const std::map<std::string, double>& given = {});
 
