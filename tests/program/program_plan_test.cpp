@@ -300,9 +300,10 @@ TEST(Plan, AnArcTooFastForItsToleranceIsPassedAtTheFeedThatNeedsNoStopsWhereThat
   const Reference reference(path, filter, period, plan.delays);
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b)
     EXPECT_LE(reference.error(path, filter.order(), b), tolerance * (1.0 + 1e-9)) << b;
-  // The chords lie inside the arc, which takes its part of the tolerance: a little slower than the formula.
+  // Chords lie inside the arc by up to an eighth of the tolerance, and the motion is judged at their ends with an
+  // eighth less: three quarters of the tolerance are left to the formula.
   const double around = 2.0 * std::numbers::pi * radius;
-  EXPECT_LT(static_cast<double>(plan.simulation.samples) * period, 1.1 * around / steady + 41.0 * period);
+  EXPECT_LT(static_cast<double>(plan.simulation.samples) * period, around / (std::sqrt(0.75) * steady) + 41.0 * period);
   // A programmer's guess at a good feed is not faster.
   for (const double feed : {4000.0, 3000.0, 0.98 * steady * 60000.0, 2000.0}) {
     Toolpath slower = path_of(full_circle("G64 P0.01", feed), machine);

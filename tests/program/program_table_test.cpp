@@ -36,19 +36,19 @@ TEST_F(ProgramTable, RowsOfExactStopsAndOfNoDelayFollowFromTheFilter) {
   EXPECT_NEAR(row(done.out, "no delay at any corner"), 0.641, printed);
 }
 
-// A half circle of 10 mm between stops of G61.1, behind an average of 41 taps, whose variance is (41^2 - 1)/12
+// A half circle of 10 mm within 5 um, behind an average of 41 taps, whose variance is (41^2 - 1)/12
 // samples^2. Stops at its ends alone leave v^2 s^2/(2 R) inside the arc. The lines take 0.1 s each at their feed, every
 // stop 41 samples, and the rest is the arc's.
 TEST_F(ProgramTable, TheRowOfExactStopsNamesAToleranceThatArcsBreak) {
   write("arc.toml",
         "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 40\n[[axis]]\nacceleration_max_mm_s2 = 3000\n");
-  write("part.ngc", "G21 G90 G17 G61.1 F6000\nG1 X10\nG2 X30 I10\nG1 Y-10\nM2\n");
+  write("part.ngc", "G21 G90 G17 G64 P0.005 F6000\nG1 X10\nG2 X30 I10\nG1 Y-10\nM2\n");
   const auto done = run("program part.ngc --task arc.toml --feeds keep");
   ASSERT_EQ(done.code, 0) << done.err;
   constexpr double radius = 10e-3, variance = (41.0 * 41.0 - 1.0) / 12.0 * 1e-6;
   const double arc = row(done.out, "exact stop at every corner") - 2.0 * 0.1 - 3.0 * 0.041;
   const double feed = std::numbers::pi * radius / arc;
-  ASSERT_GT(feed * feed * variance / (2.0 * radius), 2e-6) << "what G61.1 grants at most";
+  ASSERT_GT(feed * feed * variance / (2.0 * radius), 5e-6);
   EXPECT_THAT(done.out,
               testing::ContainsRegex("exact stop at every corner .*\n    but breaks the tolerance in line 3"));
 }

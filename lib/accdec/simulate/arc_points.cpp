@@ -7,9 +7,25 @@
 
 namespace accdec {
 
-ArcPoints::ArcPoints(const Toolpath& path) : path_(path) {
+namespace {
+
+/// Beside stops, the tolerance of the stop.
+void widen_beside_stops(const Toolpath& path, std::vector<double>& radius) {
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] != Joint::stop) continue;
+    std::size_t first = b, last = b + 1;
+    while (first > 0 && path.joint[first - 1] == Joint::straight) --first;
+    while (path.joint[last] == Joint::straight) ++last;
+    for (; first <= last; ++first) radius[first] = std::max(radius[first], path.tolerance[b]);
+  }
+}
+
+}  // namespace
+
+ArcPoints::ArcPoints(const Toolpath& path, bool servo) : path_(path) {
   if (path.arcs.empty()) return;
-  const std::vector<double> radius = tube_radii(path);
+  std::vector<double> radius = tube_radii(path);
+  if (servo) widen_beside_stops(path, radius);
   for (const PathArc& arc : path.arcs) add_arc(arc, radius);
   distance2_.assign(block_.size(), unlimited);
 }

@@ -13,8 +13,9 @@ namespace accdec {
 /// by the arc's own angle and radius. The ends of chords are on their arcs, and are judged as joints.
 class ArcPoints {
  public:
-  /// @param path  its arcs are those of its blocks
-  explicit ArcPoints(const Toolpath& path);
+  /// @param path   its arcs are those of its blocks
+  /// @param servo  the motion is behind one: beside a stop, it may be off by what the stop is granted
+  ArcPoints(const Toolpath& path, bool servo);
   bool empty() const { return block_.empty(); }
 
   /// A straight piece of the motion, seen from the points of blocks first .. last.

@@ -259,7 +259,7 @@ struct ToolpathOptions {
   bool clamp_feeds = false;           ///< feeds above an axis' velocity limit are lowered to it, else they are an error
   bool widen_arcs = false;            ///< see Toolpath
   bool rapid_stops = false;           ///< stop wherever rapid and feed moves meet
-  bool room_for_chords = true;        ///< see Toolpath::narrowed; results of accdec.program/1 left none
+  bool room_for_chords = true;        ///< see Toolpath::narrowed; older results left none
   bool dwells_before_filter = false;  ///< G4 is a given delay, without a stop where the program does not stop anyway
 };
 

@@ -131,7 +131,18 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   return with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown));
 }
 
+/// As accdec.profiles/1 left room beside arcs for their chords.
+void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
+  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    const double tolerance = path.tolerance[b];
+    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
+    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
+  }
+}
+
 RecordCheck check_planned_again(std::string_view text, const ProgramRecord& record, Toolpath programmed) {
+  leave_room_for_arcs(programmed, record.inputs.reading.read.arc_tolerance);
   std::vector<std::string> reasons;
   compare_names(record, reasons);
   const ProgramResult found = plan_profiles_of(record.inputs.program, std::move(programmed), record.task);

@@ -205,7 +205,7 @@ class Comparison {
     return skips(name) && !(whole_ && written);
   }
   bool skips(const std::string& name) const {
-    // Where the times of other rules for delays were found again.
+    // If the times of other rules for delays were found again, they are compared, too.
     if (result_.cycle_time_no_delay.has_value() &&
         (name == "cycle_time_no_delay_s" || name == "cycle_time_exact_stop_s" || name == "exact_stop_breaks"))
       return false;

@@ -81,7 +81,7 @@ void look_at_trajectory(const Plan& plan, double period, ArcPoints& arcs) {
 }  // namespace
 
 std::optional<ArcError> arc_error(const Plan& plan, double sample_period) {
-  ArcPoints arcs(plan.path);
+  ArcPoints arcs(plan.path, plan.command() != nullptr && !plan.command()->moved.empty());
   if (arcs.empty()) return {};
   if (plan.command() != nullptr)
     look_at_command(plan, sample_period, arcs);

@@ -7,7 +7,7 @@
 namespace accdec {
 namespace {
 
-/// The least tolerance that the program gives, m. Joints of arcs have less: their chords take a part.
+/// The least tolerance of corners, m; without any, that of arcs, less what their chords take.
 double least_tolerance(const Toolpath& path) {
   constexpr double usual = 1e-6;  // without any
   const auto inside = [&](std::size_t b) { return b < path.blocks() && path.inside_arc[b] != 0; };
@@ -17,7 +17,7 @@ double least_tolerance(const Toolpath& path) {
     double& least = of_arc ? arcs : corners;
     if (path.tolerance[b] > 0.0) least = std::min(least, path.tolerance[b]);
   }
-  const double least = std::min(corners, arcs + path.narrowed);
+  const double least = corners < unlimited ? corners : arcs;
   return least < unlimited ? least : usual;
 }
 

@@ -166,7 +166,7 @@ class CommandCheck {
   }
 
   void check_arcs(const DirectMotion& motion) {
-    ArcPoints arcs(path_);
+    ArcPoints arcs(path_, !result_.plan.command()->moved.empty());
     for (std::size_t i = 0; i < arcs.count(); ++i) {
       const std::size_t b = arcs.block(i);
       const std::int64_t first = b > 0 ? motion.windows[b - 1].first : 0;
