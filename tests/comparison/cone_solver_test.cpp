@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +46,8 @@ for file in sorted(glob.glob(sys.argv[2] + "/*.cbf")):
 
 /// The least optimum of all of them.
 double solved_by_cvxopt(const std::vector<std::string>& programs) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "accdec_cones";
+  const std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / fmt::format("accdec_cones.{}", ::getpid());
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "solve.py") << script;
@@ -62,6 +65,7 @@ double solved_by_cvxopt(const std::vector<std::string>& programs) {
     else
       least = std::min(least, std::stod(value));
   }
+  std::filesystem::remove_all(folder);
   EXPECT_EQ(read, programs.size());
   EXPECT_LE(unknown, read / 20);
   return least;
