@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What Slurm has of a plan; nothing, and a note, where it is not installed.
+/// The tasks of a plan that Slurm has; none, and a note, if it is not installed.
 std::vector<QueuedTask> queue_or_none(const ClusterPlan& plan) {
   try {
     return cluster_queue(plan);

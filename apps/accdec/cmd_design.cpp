@@ -16,6 +16,7 @@
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/formats/controller_file.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/study/baseline_table.hpp>
 #include <accdec/task.hpp>
 
@@ -114,7 +115,7 @@ std::string explain_hint(const std::string& task) {
 
 void run(const DesignArguments& arguments, Context& context) {
   const auto began = std::chrono::steady_clock::now();
-  const Task task = read_task(arguments.task, {.response = Considered::common});
+  const Task task = read_task(arguments.task, {.response = Considered::any});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
 
@@ -140,9 +141,12 @@ void run(const DesignArguments& arguments, Context& context) {
   }
   const auto left = [&] { return arguments.time_limit - seconds_since(began); };
   std::optional<study::BaselineTable> table;
+  const bool compared = Response(task.machine, task.sample_period).common();
+  if (arguments.baselines && !compared)
+    throw std::invalid_argument("--baselines needs one response of all axes without negative taps");
   if (arguments.baselines) {
     table = full_table(task, result, options, left());
-  } else if (result.filter && !task.filter && !result.settings && (shown || task.baseline)) {
+  } else if (compared && result.filter && !task.filter && !result.settings && (shown || task.baseline)) {
     // Unasked: what is found in a moment.
     const double most = arguments.no_baselines ? 0.0 : 1.0;
     table = study::compare_with_baselines(result, std::clamp(left(), 0.0, most));

@@ -58,7 +58,7 @@ Figure figure_of(const VibrationLog& log, const std::vector<FoundMode>& modes, d
   return figure;
 }
 
-/// What each bound on the modes found costs a task, beside its own modes.
+/// The cost to a task of each bound on the modes found, beside its own modes.
 std::vector<ModeCost> costs_of(const Task& task, const std::vector<FoundMode>& modes, const ModesArguments& arguments,
                                Context& context) {
   DesignOptions options;

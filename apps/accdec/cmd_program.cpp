@@ -19,8 +19,6 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/result/emit.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/program.hpp>
@@ -48,7 +46,6 @@ struct ProgramArguments {
   ProgramFileOptions file;
   std::size_t worst = 5;
   bool per_leg = false;  // no more; said so
-  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 /// The inputs of the result, for whoever rechecks it.
@@ -127,14 +124,12 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
   std::optional<StatusLine> status;
   status.emplace(context.quiet, StatusLine::Lines::none, options.file.time_limit.value_or(0.0));
   std::string last;
-  FreeOptions free;
-  free.threads = options.threads;
   ProgramFileOptions asked = options.file;
   asked.deadline.end_when(Interrupt::asked());
-  free.progress = [&](double gained, double share) {
+  asked.free.progress = [&](double gained, double share) {
     status->tell(fmt::format("{:.0f} % of a sweep, {:.3f} s gained", 100.0 * share, gained));
   };
-  ProgramResult result = run_free_plan(options.program, file, task, asked, free, [&](const std::string& line) {
+  ProgramResult result = run_program_file(options.program, file, task, asked, [&](const std::string& line) {
     last = line;
     status->tell(line);
   });
@@ -148,35 +143,23 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
 std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context& context, ProgramFile& file,
                                        const Task& task) {
   std::optional<ProgramResult> result;
-  if (options.plan == "profiles") {
-    StatusLine status(context.quiet);
-    result = run_fastest_plan(options.program, file, task, options.file,
-                              [&](const std::string& line) { status.tell(line); });
-  } else if (options.plan == "free") {
+  if (options.file.plan == PlanKind::free) {
     result = free_motion(options, context, file, task);
   } else {
-    StatusLine status(context.quiet, task.filter ? StatusLine::Lines::none : StatusLine::Lines::news);
-    status.tell("bounds");
-    std::optional<CornerBound> bound;
-    const double chords = file.reading.read.arc_tolerance;
-    // Before the plan, which may take all the time that is left.
-    const Deadline most = options.file.deadline.within(0.5 * options.file.deadline.left());
-    // The bounds are of motions, and the time behind a servo is that of the command.
-    if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
-      bound = corner_bound_of(file.path, task, most);
+    const bool given = options.file.plan == PlanKind::fixed && task.filter;
+    StatusLine status(context.quiet, given ? StatusLine::Lines::none : StatusLine::Lines::news);
     result = run_program_file(options.program, file, task, options.file,
                               [&](const std::string& line) { status.tell(line); });
-    if (result->plan.empty()) {
-      std::string why = result->message;
-      if (only_runs_on(task))
-        why = error_at_delays(options.task, why).what();
-      else if (task.settings && task.settings->names_family())
-        why = error_at_family(options.task, why).what();
-      std::fprintf(stderr, "%s\n", why.c_str());
-      context.exit_code = exit_no_answer;
-      return {};
-    }
-    if (bound) result->corner_bound = corner_bound_as_read(*bound, chords, options.program, file, task, options.file);
+  }
+  if (result->plan.empty()) {
+    std::string why = result->message;
+    if (only_runs_on(task))
+      why = error_at_delays(options.task, why).what();
+    else if (task.settings && task.settings->names_family())
+      why = error_at_family(options.task, why).what();
+    std::fprintf(stderr, "%s\n", why.c_str());
+    context.exit_code = exit_no_answer;
+    return {};
   }
   result->worst_shown = options.worst;
   result->peak_memory = peak_memory();
@@ -241,7 +224,10 @@ void run(ProgramArguments& options, Context& context) {
   require_delays(options, task);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});
-  options.file.feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;
+  options.file.plan = options.plan == "free"       ? PlanKind::free
+                      : options.plan == "profiles" ? PlanKind::profiles
+                                                   : PlanKind::fixed;
+  options.file.fixed.feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;
   if (options.tool_length_mm) options.file.tools.length = *options.tool_length_mm * 1e-3;
   if (options.file.time_limit) options.file.deadline = Deadline(*options.file.time_limit);
   if (options.arc_tolerance_um) options.file.arc_tolerance = *options.arc_tolerance_um * 1e-6;
@@ -338,6 +324,7 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
 }
 
 void add_planning(CLI::App& command, ProgramArguments& options) {
+  options.file.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command
       .add_option(
           "--time-limit", options.file.time_limit,
@@ -348,8 +335,8 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
       .add_option("--plan", options.plan,
                   "fixed: one filter for the whole program. profiles: a filter and a speed for every corner, for "
                   "controllers that take a position every cycle (--samples, --stream). profiles also makes the plan "
-                  "fixed and returns the faster one, by name. free: begins with profiles and shortens windows of its "
-                  "samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
+                  "fixed and returns the faster one, by name. free: begins with the faster one and shortens windows of "
+                  "its samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
                   "--time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
       ->check(one_of({"fixed", "profiles", "free"}))
@@ -360,7 +347,7 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
                   "every block has its programmed feed (only with --plan fixed)")
       ->check(one_of({"choose", "keep"}))
       ->capture_default_str();
-  command.add_option("--threads", options.threads, "Threads for --plan free (default: one per core)")
+  command.add_option("--threads", options.file.free.threads, "Threads for --plan free (default: one per core)")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
   command.add_flag("--compensate-arcs", options.file.compensate_arcs,
@@ -368,7 +355,7 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
                    "from the programmed arc");
   command.add_flag("--per-leg", options.per_leg)->group("");
   command.add_flag(
-      "--filter-bound", options.file.filter_bound,
+      "--filter-bound", options.file.fixed.filter_bound,
       "Also print a lower bound of the time at the programmed feeds. It holds for all filters that keep the "
       "acceleration limits and are no longer than a block, with any delays. There is none if a block is shorter "
       "than every such filter");

@@ -11,8 +11,8 @@ enum ExitCode {
   exit_bad_input = 2   ///< usage or input; nothing was written
 };
 
-/// What main and the subcommands share. A subcommand stores its exit code here from its CLI11 callback; exceptions of
-/// type InputError and std::invalid_argument become exit_bad_input in main, all others exit_no_answer.
+/// State that main and the subcommands share. A subcommand stores its exit code here from its CLI11 callback;
+/// exceptions of type InputError and std::invalid_argument become exit_bad_input in main, all others exit_no_answer.
 struct Context {
   bool quiet = false;
   int exit_code = exit_ok;

@@ -20,7 +20,7 @@ inline void add_view_option(CLI::App& command, std::string& view) {
       ->capture_default_str();
 }
 
-/// What `accdec program --figure` writes of a plan.
+/// The figure of a plan that `accdec program --figure` writes.
 /// @param programmed  the path as the program has it  @param machine  the task's  @param type  see figure_format
 /// @param from  where the program is seen from
 inline std::string program_figure(const ProgramResult& result, const Toolpath& programmed, const Machine& machine,

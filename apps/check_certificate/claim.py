@@ -5,16 +5,11 @@ import math
 import zlib
 from decimal import Decimal
 
-import contradictions
-import delays
-import families
 import problem as problems
-from problem import GRANTED, NotCovered, Refused, number, refuse_if, whole
-from tree import ROUNDING, Tree
-
-SCHEMA = "accdec.certificate/1"
-CONTRADICTIONS = {"constant feed": contradictions.constant_feed, "corner speed": contradictions.corner_speed}
-MOST_UNPACKED = 2 * 10**9  # bytes
+from enclosure import NotCovered, Refused, number, refuse_if, whole
+from filters import contradictions, families, members
+from problem import ROUNDING, WIDER
+from tree import Tree
 
 
 def _decimal(text):
@@ -37,39 +32,35 @@ def _unpacked(certificate):
     if certificate["kind"] != "packed":
         return certificate
     unpack = zlib.decompressobj(16 + zlib.MAX_WBITS)
-    text = unpack.decompress(base64.b64decode(certificate["gzip"], validate=True), MOST_UNPACKED)
+    text = unpack.decompress(base64.b64decode(certificate["gzip"], validate=True), 2 * 10**9)
     refuse_if(not unpack.eof or unpack.unused_data, "the packed certificate is cut off or has something behind it")
     return parse(text.decode())
 
 
 def _design(result, problem):
     """Taps, delays and cost in samples of the recorded design."""
-    if any("feed_part" in c for c in result["corners"]):
-        raise NotCovered("corners passed at a part of the feed")
-    taps, found = result["filter"]["taps"], [whole(c["delay_samples"]) for c in result["corners"]]
-    refuse_if(len(found) != len(problem.corners) or min(found) < 0, "the result has not one delay a corner")
+    taps, found = result["filter"]["taps"], [whole(c["delay_samples"], 0) for c in result["corners"]]
+    refuse_if(len(found) != len(problem.corners), "the result has not one delay a corner")
     other = any(c.delay not in (None, d) for c, d in zip(problem.corners, found))
     refuse_if(other, "a delay of the result is not the one the task gives")
     known = problem.given_filter or problem.order_min <= len(taps) - 1 <= problem.order_max
     refuse_if(not known, "the order of the result is outside the task's")
-    cost = problem.filter_cost * len(taps) + sum(c.weight * d for c, d in zip(problem.corners, found))
+    # A corner at a part of the feed loses the rest for as long as both its steps take.
+    lost = [2 * (len(taps) + len(problem.response)) * (1 - number(c.get("feed_part", 1))) for c in result["corners"]]
+    cost = problem.filter_cost * len(taps) + sum(c.weight * (d + x) for c, d, x in zip(problem.corners, found, lost))
     recorded = result["cycle_time_s" if problem.objective == "cycle" else "corner_time_s"]
     wrong = abs(number(recorded) / problem.period - cost) > cost * ROUNDING
     refuse_if(wrong, "the time of the result is not that of its order and delays")
     return taps, found, cost
 
 
-def _claimed(result, problem, certificate):
-    """Samples that no design is shorter than, as a result and its certificate say; None: there is no design."""
-    refuse_if(certificate["objective"] != problem.objective, "the certificate is about another objective than the task")
-    runs = number(certificate["runs"]) if problem.objective == "cycle" else problem.runs
-    refuse_if(runs != problem.runs, "the certificate is about another number of runs than the task")
-    refuse_if(number(certificate.get("tolerance", GRANTED)) != GRANTED, "the certificate is about other limits")
-    proved = certificate["bound_samples"]
+def _target(result, problem, bound, proved):
+    """Samples that no design is shorter than, by the result's bound and what its certificate proves; None: there is no
+    design."""
     if result["status"] == "infeasible":
         refuse_if(proved is not None, "the certificate proves a bound, not that nothing exists")
         return None
-    target, (_, _, cost) = number(result["lower_bound_s"]) / problem.period, _design(result, problem)
+    target, (_, _, cost) = number(result[bound]) / problem.period, _design(result, problem)
     refuse_if(target > cost * (1 + ROUNDING), "the lower bound is above the time of the result's design")
     if result["status"] == "optimal":
         refuse_if(target < cost * (1 - ROUNDING), "the status is optimal, but the lower bound is below that time")
@@ -80,77 +71,68 @@ def _claimed(result, problem, certificate):
     return number(proved)
 
 
-def _enumeration(result, problem):
+def _enumeration(result, problem, _):
     refuse_if(not problem.given_filter, "the certificate is about a given filter, the task leaves the filter open")
-    if result["status"] != "optimal":
-        raise NotCovered("that a given filter has no delays at all")
-    taps, found, cost = _design(result, problem)
-    other = abs(number(result["lower_bound_s"]) / problem.period - cost) > cost * ROUNDING
-    refuse_if(other, "the status is optimal, but the lower bound is not the time of the result's design")
-    tried = delays.smallest(problem, taps, found)
+    if result["status"] != "optimal" or any("feed_part" in c for c in result["corners"]):
+        raise NotCovered("that a given filter has no delays at all, or passes corners at a part of the feed")
+    taps, found, _ = _design(result, problem)
+    _target(result, problem, "lower_bound_s", None)
+    tried = members.smallest_delays(problem, taps, found)
     return f"{tried} smaller delays of the recorded taps refuted (not checked: that these are the task's filter)"
 
 
 def _branch_and_bound(result, problem, certificate):
     if problem.given_filter:
         raise NotCovered("a proof over all filters for a task that gives one")
-    target = _claimed(result, problem, certificate)
+    asked = [certificate["objective"], number(certificate.get("tolerance", WIDER - 1))]
+    asked += [number(certificate["runs"])] if problem.objective == "cycle" else []
+    for got, known, what in zip(asked, (problem.objective, WIDER - 1, problem.runs), ("objective", "limits", "runs")):
+        refuse_if(got != known, f"the certificate is about other {what} than the task")
+    target = _target(result, problem, "lower_bound_s", certificate["bound_samples"])
     if certificate.get("corner_of"):
         problem = problems.merge(problem, certificate["corner_of"])
     leaves = Tree(problem, certificate, target).leaves
-    if target is None:
-        return f"{leaves} parts refuted: no design of order {problem.order_max} or less keeps all limits"
-    return f"{leaves} parts refuted: no {problem.objective} time is shorter than {float(target * problem.period):.9g} s"
+    words = f"no design of order {problem.order_max} or less keeps all limits"
+    if target is not None:
+        words = f"no {problem.objective} time is shorter than {float(target * problem.period):.9g} s"
+    return f"{leaves} parts refuted: {words}"
 
 
 def _families(result, problem, certificate):
     named = "family" in result["task"].get("design", {})
     refuse_if(not named, "the certificate is about families, the task names none")
-    target, words = None, "no member keeps all limits"
-    if result["status"] == "infeasible":
-        refuse_if(certificate["bound_samples"] is not None, "the certificate proves a bound, not that nothing exists")
-    else:
-        target, (_, _, cost) = number(result["family_bound_s"]) / problem.period, _design(result, problem)
-        refuse_if(target > cost * (1 + ROUNDING), "the family's bound is above the time of the result's design")
-        if result["status"] == "optimal":
-            below = target < cost * (1 - ROUNDING)
-            refuse_if(below, "the status is optimal, but the family's bound is below that time")
-            target = cost
-        less = number(certificate["bound_samples"]) < target * (1 - ROUNDING)
-        refuse_if(less, "the certificate proves less than the result claims")
-        words = f"no member is shorter than {float(target * problem.period):.9g} s"
+    target = _target(result, problem, "family_bound_s", certificate["bound_samples"])
     refuted = families.refute(problem, result["task"], target)
     counted = sum(whole(members) for _, _, members in certificate["refuted"])
     refuse_if(counted != refuted, f"the certificate counts {counted} members, there are {refuted}")
+    least = "keeps all limits" if target is None else f"is shorter than {float(target * problem.period):.9g} s"
+    words = f"{refuted} members refuted: no member {least}"
     if result.get("lower_bound_s") is None:
-        return f"{refuted} members refuted: {words}"
-    taps = _branch_and_bound(dict(result, status="feasible"), problem, certificate["taps"])
-    return f"{refuted} members refuted: {words}; free taps: {taps}"
+        return words
+    return f"{words}; free taps: {_branch_and_bound(dict(result, status='feasible'), problem, certificate['taps'])}"
 
 
-def _check(result):
-    refuse_if(result.get("certificate") is None, "there is no certificate")
-    if result["status"] not in ("optimal", "feasible", "infeasible"):
-        raise NotCovered(f"the status {result['status']!r}")
-    problem, certificate = problems.read(result["task"]), _unpacked(result["certificate"])
-    if certificate["kind"] == "enumeration":
-        return _enumeration(result, problem)
-    if certificate["schema"] != SCHEMA:
-        raise NotCovered(f"the schema {certificate['schema']!r}")
-    if certificate["kind"] == "branch and bound":
-        return _branch_and_bound(result, problem, certificate)
-    if certificate["kind"] == "families":
-        return _families(result, problem, certificate)
-    if certificate["kind"] not in CONTRADICTIONS:
-        raise NotCovered(f"a certificate of the kind {certificate['kind']!r}")
+def _contradiction(result, problem, certificate):
     refuse_if(result["status"] != "infeasible", "the certificate is one of infeasibility, the status is not")
-    return CONTRADICTIONS[certificate["kind"]](problem)
+    return getattr(contradictions, certificate["kind"].replace(" ", "_"))(problem)
+
+
+CHECKS = {"enumeration": _enumeration, "branch and bound": _branch_and_bound, "families": _families,
+          "constant feed": _contradiction, "corner speed": _contradiction}
 
 
 def check(text):
     """What is proved, in words. @raise Refused"""
     try:
-        return _check(parse(text))
+        result = parse(text)
+        refuse_if(result.get("certificate") is None, "there is no certificate")
+        if result["status"] not in ("optimal", "feasible", "infeasible"):
+            raise NotCovered(f"the status {result['status']!r}")
+        problem, certificate = problems.read(result["task"]), _unpacked(result["certificate"])
+        kind, schema = certificate["kind"], certificate.get("schema")
+        if kind not in CHECKS or kind != "enumeration" and schema != "accdec.certificate/1":
+            raise NotCovered(f"a certificate of the kind {kind!r} and schema {schema!r}")
+        return CHECKS[kind](result, problem, certificate)
     except RecursionError as error:
         raise Refused("it is nested too deeply") from error
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, zlib.error) as error:

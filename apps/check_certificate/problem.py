@@ -5,163 +5,193 @@ from copy import copy
 from fractions import Fraction
 from types import SimpleNamespace
 
-from axes import curve, modes, servo
-from enclosure import ONE, UNIT, ZERO, cos_sin_degrees, exact, square_root
-from refusals import NotCovered, Refused, number, refuse_if, whole
+from enclosure import (BITS, ONE, Enclosure, NotCovered, Refused, cos_sin_degrees, exact, exponential, number,
+                       refuse_if, square_root, whole)
 
-GRANTED = Fraction(2, 10**9)  # relative part by which limits are wider than written
-WIDER = 1 + GRANTED
+WIDER = 1 + Fraction(2, 10**9)  # limits are wider than written by this factor
 FLOOR = Fraction(1, 10**12)  # m, and of residuals: less cannot be told from nothing
+STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
+ROUNDING = Fraction(1, 10**9)  # of times: shorter by less is not shorter
+REST, LONGEST = Fraction(1, 10**12), 50000  # a servo's response ends where less is left; its most taps
 # Keys of a task file and their factors to SI.
 LIMITS = {
     "velocity": ("velocity_max_mm_s", 1000), "acceleration": ("acceleration_max_mm_s2", 1000),
     "jerk": ("jerk_max_mm_s3", 1000), "force": ("force_max_N", 1),
     "power": ("power_max_W", 1), "regeneration": ("regeneration_max_W", 1),
 }
-AXIS_KEYS = {key for key, _ in LIMITS.values()} | set(servo.KEYS) | {
-    "name", "mass_kg", "damping_N_s_m", "coulomb_N", "force_speed_N"}
-STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
+LOADS, SERVO = ("mass_kg", "damping_N_s_m", "coulomb_N"), ("servo_gain_1_s", "velocity_feedforward", "response_taps")
+AXIS_KEYS = {key for key, _ in LIMITS.values()} | {*LOADS, *SERVO, "name", "force_speed_N"}
 
-# limits: those given, by kind; own: its number if it has modes of its own, as then no other axis stands for it
+# limits: those given, by kind; lines: |F| + slope |v| <= bound; own: its number if no other may stand for it
 Axis = namedtuple("Axis", "mass damping coulomb limits lines last_speed own", defaults=((), None, None))
-# A mode of an axis has a displacement in place of a residual.
+# A mode of an axis has a displacement, m, in place of a residual.
 Mode = namedtuple("Mode", "low high residual least_damping most_damping axis displacement", defaults=(0, 0, None, None))
 
 
-def _axis(table, period, fastest):
+def _axis(table, period, fastest, own):
     if set(table) - AXIS_KEYS:
         raise NotCovered(f"an axis with the keys {sorted(set(table) - AXIS_KEYS)}")
-    limits = {kind: number(table[key]) / per_si * WIDER for kind, (key, per_si) in LIMITS.items() if key in table}
-    mass, damping, coulomb = (number(table.get(key, 0)) for key in ("mass_kg", "damping_N_s_m", "coulomb_N"))
+    limits = {kind: number(table[key]) / si * WIDER for kind, (key, si) in LIMITS.items() if key in table}
+    mass, damping, coulomb = (number(table.get(key, 0)) for key in LOADS)
     refuse_if(min(mass, damping, coulomb) < 0, "an axis has a negative load")
-    if coulomb > 0 and "force" in limits:  # a sample that counts as standing may accelerate by that little
-        limits["force"] += STILL * fastest * mass / period
-    standing = STILL * fastest * mass / period if coulomb > 0 else 0
-    return Axis(mass, damping, coulomb, limits, *curve.lines(table.get("force_speed_N"), WIDER, standing), None)
+    # A sample that counts as standing may accelerate by that little.
+    standing = STILL * fastest * mass / period if coulomb else 0
+    if "force" in limits:
+        limits["force"] += standing
+    points = [(number(v) / 1000, number(f)) for v, f in table.get("force_speed_N", [])]
+    if not points:
+        return Axis(mass, damping, coulomb, limits, own=own)
+    (speed, first), lines = points[0], [(Fraction(0), points[0][1])]
+    refuse_if(first <= 0 or speed < 0, "a force-speed curve is out of range")
+    for (v, f), (w, g) in zip(points, points[1:]):
+        refuse_if(w <= v or g > f, "a force-speed curve has speeds that do not rise or forces that do")
+        lines.append(((f - g) / (w - v), f + (f - g) / (w - v) * v))
+    scale = WIDER + standing / first  # what verification grants scales the curve from its origin
+    lines = tuple((slope, bound * scale) for slope, bound in lines)
+    return Axis(mass, damping, coulomb, limits, lines, points[-1][0] * scale, own)
 
 
-def _unit(vector):
-    vector = [exact(number(x)) for x in vector]
-    length = square_root(sum((x * x for x in vector), ZERO))
-    return [x / length for x in vector]
+def _taps(numbers):
+    taps = [number(tap) for tap in numbers]
+    refuse_if(not taps or min(taps) < 0 or abs(sum(taps) - 1) > FLOOR * 10**6, "a response has a wrong tap")
+    return [exact(tap / sum(taps)) for tap in taps]
 
 
-def _heading(degrees, axes):
-    """In the plane of the first two axes; parts below 10^-15 count as none."""
-    parts = [ZERO if x.magnitude().hi < ONE // 10**15 else x for x in cos_sin_degrees(degrees)]
-    return parts + [ZERO] * (axes - 2)
+def _servo(tables, period):
+    """Taps of the servo that all axes have; [1] without one. A position control of gain Kv leaves c a^k of a step after
+    k samples, c = (1 - g)(1 - a)/(Kv T), a = exp(-Kv T)."""
+    servos = [[table.get(key) for key in SERVO] for table in tables]
+    if any(servo != servos[0] for servo in servos):
+        raise NotCovered("axes that respond differently")
+    gain, fed, taps = servos[0]
+    if taps is not None or gain is None:
+        return _taps([1] if taps is None else taps)
+    x, fed = number(gain) * period, number(fed or 0)
+    refuse_if(x <= 0 or not 0 <= fed <= 1, "a servo's gain or feedforward is out of range")
+    left_by_each = exponential(-x)
+    missing = (1 - left_by_each) * (1 - fed) / x
+    taps = [1 - missing]
+    while missing.hi >= exact(REST).lo:
+        refuse_if(len(taps) > LONGEST, "a servo's response does not end")
+        taps.append(missing - missing * left_by_each)
+        missing *= left_by_each
+    return taps[:-1] + [taps[-1] + missing]
+
+
+def convolved(a, b):
+    """Taps in series, none negative."""
+    low, high = [0] * (len(a) + len(b) - 1), [0] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            low[i + j] += x.lo * y.lo
+            high[i + j] += x.hi * y.hi
+    return [Enclosure(max(0, x >> BITS), -(-y >> BITS)) for x, y in zip(low, high)]
+
+
+def _directions(table, axes):
+    """Unit vectors of both legs, and cosine and sine of the angle between them."""
+    if "direction_in" in table:
+        legs = []
+        for key in ("direction_in", "direction_out"):
+            vector = [exact(number(x)) for x in table[key]]
+            length = square_root(sum(x * x for x in vector))
+            legs.append([x / length for x in vector])
+        refuse_if({len(leg) for leg in legs} != {axes}, "a corner has another number of axes than the machine")
+        cosine = -sum(a * b for a, b in zip(*legs))
+        return *legs, cosine, square_root((1 - cosine) * (1 + cosine))
+    angle, heading = number(table["angle_deg"]), number(table.get("heading_deg", 0))
+    change = (180 - angle) * (1 if table.get("turn", "left") == "left" else -1)
+    # In the plane of the first two axes; parts below 10^-15 count as none.
+    legs = [[exact(0) if abs(x).hi < ONE // 10**15 else x for x in cos_sin_degrees(at)] + [exact(0)] * (axes - 2)
+            for at in (heading, heading + change)]
+    return *legs, *cos_sin_degrees(angle)
 
 
 def _corner(table, axes):
-    if "direction_in" in table:
-        part_in, part_out = _unit(table["direction_in"]), _unit(table["direction_out"])
-        cosine = -sum((a * b for a, b in zip(part_in, part_out)), ZERO)
-        sine = square_root((UNIT - cosine) * (UNIT + cosine))
-    else:
-        angle, heading = number(table["angle_deg"]), number(table.get("heading_deg", 0))
-        cosine, sine = cos_sin_degrees(angle)
-        change = (180 - angle) * (1 if table.get("turn", "left") == "left" else -1)
-        part_in, part_out = _heading(heading, axes), _heading(heading + change, axes)
-    refuse_if(not len(part_in) == len(part_out) == axes, "a corner has another number of axes than the machine")
+    part_in, part_out, cosine, sine = _directions(table, axes)
     feed_in = number(table["feed_in_mm_min"]) / 60000
     feed_out = number(table["feed_out_mm_min"]) / 60000 if "feed_out_mm_min" in table else feed_in
-    weight, delay, error = number(table.get("weight", 1)), table.get("delay_samples"), table.get("error_max_um")
-    contour = table.get("contour_max_um")
-    known = min(feed_in, feed_out, weight) > 0 and (delay is None or whole(delay) >= 0)
-    refuse_if(not known, "a corner has a feed, weight or delay below what a task may have")
-    error, contour = [
-        None if most is None else max(number(most) / 10**6 * WIDER, FLOOR) + FLOOR / 1000 for most in (error, contour)
-    ]
-    along = [[exact(feed) * x for x in part] for feed, part in ((feed_in, part_in), (feed_out, part_out))]
-    speed_min = number(table.get("speed_min_mm_s", 0)) / 1000 / WIDER
+    weight, delay = number(table.get("weight", 1)), table.get("delay_samples")
+    refuse_if(min(feed_in, feed_out, weight) <= 0, "a corner has a feed or weight that is not above zero")
+    error, contour = (max(number(table[key]) / 10**6 * WIDER, FLOOR) + FLOOR / 1000 if key in table else None
+                      for key in ("error_max_um", "contour_max_um"))
     return SimpleNamespace(
         name=table.get("name", ""), feed_in=feed_in, feed_out=feed_out, part_in=part_in, part_out=part_out,
-        cosine=cosine, sine=sine, error=error, contour=contour, speed_min=speed_min, delay=delay, weight=weight,
-        speed_in=along[0], speed_out=along[1],
+        speed_in=[x * feed_in for x in part_in], speed_out=[x * feed_out for x in part_out], cosine=cosine, sine=sine,
+        error=error, contour=contour, speed_min=number(table.get("speed_min_mm_s", 0)) / 1000 / WIDER,
+        delay=None if delay is None else whole(delay, 0), weight=weight,
     )
 
 
 def _mode(table, names):
     if "frequency_spread" in table:
         raise NotCovered("a spread of frequencies that is not written as a band")
-    (low, high), (least, most) = [
-        [number(x) for x in (end if isinstance(end, list) else [end, end])]
-        for end in (table["frequency_Hz"], table.get("damping_ratio", 0))
-    ]
+    (low, high), (least, most) = ([number(x) for x in (end if isinstance(end, list) else [end, end])]
+                                  for end in (table["frequency_Hz"], table.get("damping_ratio", 0)))
     refuse_if(not 0 <= least <= most < 1, "a damping ratio is out of range")
-    axis, metres = modes.of_axis(table, names, WIDER, FLOOR / 1000)
-    residual = 1 if metres else max(number(table["residual_max"]) * WIDER, FLOOR) + FLOOR / 10
-    return Mode(low, high, residual, least, most, axis, metres)
+    if "residual_max_um" not in table:
+        return Mode(low, high, max(number(table["residual_max"]) * WIDER, FLOOR) + FLOOR / 10, least, most)
+    refuse_if(table.get("axis") not in names, "a mode names no axis of the task")
+    metres = number(table["residual_max_um"]) / 10**6 * WIDER + FLOOR / 1000
+    return Mode(low, high, 1, least, most, names.index(table["axis"]), metres)
 
 
 def read(task):
     """From the member `task` of a result file."""
-    design, period = task.get("design", {}), number(task["sample_period_ms"]) / 1000
-    feeds = [number(c[key]) for c in task["corner"] for key in ("feed_in_mm_min", "feed_out_mm_min") if key in c]
-    axes = [_axis(table, period, max(feeds, default=0) / 60000) for table in task["axis"]]
-    bounded = [_mode(table, [axis.get("name") for axis in task["axis"]]) for table in task.get("mode", [])]
-    axes = [axis._replace(own=a if any(m.axis == a for m in bounded) else None) for a, axis in enumerate(axes)]
-    if "prefilter_taps" in task.get("controller", {}):
-        raise NotCovered("a control's own smoothing")
+    design, period, tables = task.get("design", {}), number(task["sample_period_ms"]) / 1000, task["axis"]
+    corners = [_corner(table, len(tables)) for table in task["corner"]]
+    modes = [_mode(table, [axis.get("name") for axis in tables]) for table in task.get("mode", [])]
+    fastest = max((max(c.feed_in, c.feed_out) for c in corners), default=0)
     problem = SimpleNamespace(
-        period=period,
-        response=servo.response(task["axis"], period),
-        order_min=max(whole(design.get("order_min", 1)), 0),
-        order_max=whole(design.get("order_max", 400)),
+        period=period, corners=corners, modes=modes, given_filter="filter" in task,
+        axes=[_axis(table, period, fastest, a if any(m.axis == a for m in modes) else None)
+              for a, table in enumerate(tables)],
+        supply={kind: number(task["machine"][f"{kind}_total_max_W"]) * WIDER for kind in ("power", "regeneration")
+                if f"{kind}_total_max_W" in task.get("machine", {})},
+        smoothing=_taps(task.get("controller", {}).get("prefilter_taps", [1])), servo=_servo(tables, period),
+        order_min=max(whole(design.get("order_min", 1)), 0), order_max=whole(design.get("order_max", 400)),
         symmetric=design.get("symmetric", False) is True,
-        objective=design.get("objective", "cycle"),
-        runs=number(design.get("runs", 1)),
-        axes=axes,
-        supply=task.get("machine", {}),
-        corners=[_corner(table, len(axes)) for table in task["corner"]],
-        modes=bounded,
-        given_filter="filter" in task,
+        objective=design.get("objective", "cycle"), runs=number(design.get("runs", 1)),
     )
-    refuse_if(min(problem.period, problem.runs) <= 0, "the task's period or its number of runs is not above zero")
-    refuse_if(not problem.corners, "the task has no corner")
+    refuse_if(min(period, problem.runs, fastest) <= 0, "the task has no corner, or no period or runs above zero")
     if problem.objective not in ("cycle", "corner"):
         raise NotCovered(f"the objective {problem.objective!r}")
+    problem.response = convolved(problem.smoothing, problem.servo)
     # In samples, of each of the N + 1 taps; each sample of a delay costs its corner's weight.
-    problem.filter_cost = problem.runs if problem.objective == "cycle" else sum(c.weight for c in problem.corners)
+    problem.filter_cost = problem.runs if problem.objective == "cycle" else sum(c.weight for c in corners)
     return problem
 
 
 def _close(a, b):
-    """Enclosed numbers, not below zero, that differ by no more than a part in 10^12."""
+    """Not below zero, and different by no more than a part in 10^12."""
     return max(a.hi - b.lo, b.hi - a.lo) <= max(min(a.lo, b.lo), 0) // 10**12 + (1 << 24)
 
 
 def _same_question(axes, a, b):
     """Whether the axes of one corner can be exchanged and turned round so that it is the other."""
-    told = [(c.error, c.contour, c.speed_min, c.delay, c.feed_in, c.feed_out) for c in (a, b)]
-    turned = _close(UNIT + a.cosine, UNIT + b.cosine) and _close(UNIT - a.cosine, UNIT - b.cosine)
-    if told[0] != told[1] or not turned:
+    told, other = ((c.error, c.contour, c.speed_min, c.delay, c.feed_in, c.feed_out) for c in (a, b))
+    if told != other or not (_close(1 + a.cosine, 1 + b.cosine) and _close(1 - a.cosine, 1 - b.cosine)):
         return False
-    asked, left = [
-        [(axis, x.magnitude(), y.magnitude(), (x * y).hi < 0) for axis, x, y in zip(axes, c.part_in, c.part_out)]
-        for c in (a, b)
-    ]
-    for axis, x, y, turned in asked:
-        same = (o for o in left if o[0] == axis and o[3] == turned and _close(x, o[1]) and _close(y, o[2]))
-        found = next(same, None)
-        if found is None:
+    asked, left = ([(axis, x * y < 0, abs(x), abs(y)) for axis, x, y in zip(axes, c.part_in, c.part_out)]
+                   for c in (a, b))
+    for axis in asked:
+        same = next((o for o in left if o[:2] == axis[:2] and all(map(_close, o[2:], axis[2:]))), None)
+        if same is None:
             return False
-        left.remove(found)
+        left.remove(same)
     return True
 
 
 def merge(problem, corner_of):
     """Corners that ask the same of every filter become one that has all their weight."""
     refuse_if(len(corner_of) != len(problem.corners), "the certificate merges another number of corners")
-    merged = []
+    problem, merged = copy(problem), []
     for corner, kind in zip(problem.corners, corner_of):
-        refuse_if(not 0 <= whole(kind) <= len(merged), "the certificate merges a corner with one that is not there")
-        if kind == len(merged):
+        if whole(kind, 0, len(merged)) == len(merged):
             merged.append(copy(corner))
         elif _same_question(problem.axes, merged[kind], corner):
             merged[kind].weight += corner.weight
         else:
             raise Refused(f"corners {merged[kind].name} and {corner.name} are taken for one, but are not")
-    problem = copy(problem)
     problem.corners = merged
     return problem

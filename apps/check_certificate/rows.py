@@ -2,305 +2,363 @@
 the part of the search that it is asked for; README.md of lib/accdec/certificate has the formulas."""
 from math import floor
 
-import chords
-from axes import curve, modes
-from enclosure import ONE, UNIT, ZERO, Enclosure, cos_sin, exact, square_root
-from problem import NotCovered, number, refuse_if, whole
+from enclosure import (BITS, ONE, PI, Enclosure, NotCovered, Refused, cos_sin, exact, exponential, number, refuse_if,
+                       square_root, whole)
 from tube import Plant, tube
 
-TAPS, RESPONSES, RISES, FALLS, DELAYS, SAMPLES = range(6)
+TAPS, WAYS, DELAYS, SAMPLES = range(4)
 
 
 class Empty(Exception):
     """No filter is in a part of the search."""
 
 
-class Row:
-    """Coefficients of what is never negative, so that lower ends stand for them: of taps, of responses B_k, of
-    p_k = sum b_i max(i - k, 0), of q_m = sum b_i max(m - i, 0), of delays and samples less the least of their
-    ranges."""
+class Limits:
+    """What a task's limits say of every filter."""
 
-    def __init__(self, order, response, window):
-        self.order, self.response_taps, self.window, self.terms, self.bound = order, response, window, [], 0
-
-    def term(self, what, at, c):
-        if not c.is_zero():
-            self.terms.append((what, at, c.lo))
-
-    def tap(self, i, c):
-        if 0 <= i <= self.order:
-            self.term(TAPS, i, c)
-
-    def response(self, k, c):
-        if k > self.order:  # B_k = 1
-            self.bound -= c.lo
-        elif k > 0:
-            self.term(RESPONSES, k, c)
-
-    def to_go(self, k, c):
-        """c p_k, behind the servo's taps r_j: c sum_j r_j p_{k-j}. The first tap of a window stands for those before
-        it, too, and has no part in it."""
-        if self.window and len(self.response_taps) > 1:
-            for i in range(1, self.order + 1):
-                late = enumerate(self.response_taps[max(0, k - i + 1):], max(0, k - i + 1))
-                self.term(TAPS, i, c * sum((tap.times(i - k + j) for j, tap in late), ZERO))
-            return
-        for j, tap in enumerate(self.response_taps):
-            self._to_go(k - j, c if len(self.response_taps) == 1 else c * tap)
-
-    def gone(self, m, c):
-        """c q_m, behind the servo's taps: c sum_j r_j q_{m-j}"""
-        for j, tap in enumerate(self.response_taps):
-            self._gone(m - j, c if len(self.response_taps) == 1 else c * tap)
-
-    def _to_go(self, k, c):
-        self.bound += c.lo * min(k, 0)  # p_k = p_0 - k for k < 0
-        if k < self.order:
-            self.term(RISES, max(k, 0) + 1, c)
-
-    def _gone(self, m, c):
-        self.bound -= c.lo * max(m - self.order, 0)  # q_m = q_N + m - N for m > N
-        if min(m, self.order) > 0:
-            self.term(FALLS, min(m, self.order) - 1, c)
-
-    def limit(self, c):
-        self.bound += c.hi
-
-
-def sign_of(x):
-    return -1 if whole(x) < 0 else 1
-
-
-def member(items, i, what):
-    refuse_if(not 0 <= whole(i) < len(items), f"a multiplier names {what} that is not there")
-    return items[i]
-
-
-class Rows:
     def __init__(self, problem):
-        self.problem, self.period = problem, exact(problem.period)
-        self.longer = len(problem.response) - 1  # by how many samples the servo lengthens a motion
-        self.start, self.stop, self.plants = [], [], []
+        self.problem, self.plants, self.ends = problem, [], []
+        self.smooths, self.longer = len(problem.smoothing) > 1, len(problem.response) - 1  # motions are so much longer
         self.tap_max = self.ramp_max = ONE  # at least what any tap, any difference of two may be, times ONE
         for a, axis in enumerate(problem.axes):
-            self._events(axis, [(c.speed_in[a], c.speed_out[a]) for c in problem.corners])
+            legs = [(c.speed_in[a], c.speed_out[a]) for c in problem.corners]
+            # An axis that one leg alone moves starts and stops in the blend as well.
+            ends = ([abs(x if x.lo or x.hi else y).lo for x, y in one] for one in (legs, [leg[::-1] for leg in legs]))
+            self.ends.append([Enclosure(max(speeds)) for speeds in ends])
+            self._bound_taps(axis)
 
-    def _events(self, axis, legs):
-        """The fastest start along a leg 1 and stop along a leg 2. An axis that one leg alone moves starts and stops in
-        the blend as well."""
+    def _bound_taps(self, axis):
         period, limits = self.problem.period, axis.limits
-        for stop, speeds in ((False, self.start), (True, self.stop)):
-            ends = [(y, x) if stop else (x, y) for x, y in legs]
-            speed = Enclosure(max((other if mine.is_zero() else mine).magnitude().lo for mine, other in ends))
-            speeds.append(speed)
-            if speed.lo <= 0:
+        for stop, speed in enumerate(self.ends[-1]):
+            if speed.lo <= 0 or self.smooths:
                 continue
+            taps = [limits["acceleration"] * period] if "acceleration" in limits else []
             if not self.longer:
                 self.plants.append(Plant(axis, period, speed, stop))
-            if "acceleration" in limits:
-                self.tap_max = min(self.tap_max, (exact(limits["acceleration"] * period) / speed).hi)
-            if not self.longer and "force" in limits and axis.mass > 0 and (not stop or axis.damping == 0):
-                force = limits["force"] + (axis.coulomb if stop else -axis.coulomb)
-                self.tap_max = min(self.tap_max, (exact(force * period / axis.mass) / speed).hi)
+                if "force" in limits and axis.mass > 0 and not (stop and axis.damping):
+                    taps.append((limits["force"] + (axis.coulomb if stop else -axis.coulomb)) * period / axis.mass)
+            self.tap_max = min([self.tap_max, *((x / speed).hi for x in taps)])
             if "jerk" in limits:
-                self.ramp_max = min(self.ramp_max, (exact(limits["jerk"] * period**2) / speed).hi)
+                self.ramp_max = min(self.ramp_max, (limits["jerk"] * period**2 / speed).hi)
 
     def tube(self, box):
         """Bounds on responses in a part; None if no filter is in it."""
-        if not box.tube_known:
+        if box.tube is False:
             box.tube = tube(self.plants, self.tap_max, self.ramp_max, box.order, box.cuts)
-            box.tube_known = True
         return box.tube
 
-    def bounds(self, box):
-        """The same. @raise Empty"""
-        if self.tube(box) is None:
-            raise Empty
-        return box.tube
-
-    def corner(self, j):
-        return member(self.problem.corners, j, "a corner")
-
-    def axis(self, a):
-        return member(self.problem.axes, a, "an axis")
-
-    def mode(self, m):
-        return member(self.problem.modes, m, "a mode")
-
-    def limit(self, axis, kind):
-        refuse_if(kind not in axis.limits, f"a multiplier names a limit of {kind} that is not there")
-        return exact(axis.limits[kind])
-
-    def single_delay(self, j, box):
-        self.corner(j)
-        refuse_if(box.corners[j][0] != box.corners[j][1], "a limit of the blend is used for several delays at once")
-        return box.corners[j][0]
-
-    def build(self, entry, box):
+    def row(self, entry, box):
         """The row that an entry names, without its multiplier. @raise Empty if no filter is in the part"""
-        if not isinstance(entry[0], str) or entry[0] not in KINDS:
-            raise NotCovered(f"a row of the kind {entry[0]!r}")
-        kind, named, in_windows, *options = KINDS[entry[0]]
-        refuse_if(len(entry) != named + 2, f"a row `{entry[0]}` has {len(entry)} entries, not {named + 2}")
-        refuse_if(box.window and not in_windows, f"a row `{entry[0]}` says nothing of filters of any order")
-        if self.longer and entry[0] not in BEHIND_A_SERVO:
-            raise NotCovered(f"a row `{entry[0]}` behind a servo")
-        row = Row(box.order, self.problem.response, box.window)
-        kind(self, row, box, *options, *entry[1:-1])
+        name = entry[0]
+        kind, named, *options = KINDS.get(name) if isinstance(name, str) and name in KINDS else (None, "")
+        if kind is None or self.longer and name not in (BEHIND_SMOOTHING if self.smooths else BEHIND_A_SERVO):
+            raise NotCovered(f"a row of the kind {name!r}" + " behind a response" * (kind is not None))
+        refuse_if(len(entry) != len(named) + 2, f"a row `{name}` has {len(entry)} entries, not {len(named) + 2}")
+        refuse_if(box.window and name in NOT_IN_WINDOWS, f"a row `{name}` says nothing of filters of any order")
+        row = Row(self, box)
+        try:
+            kind(row, *options, *(self._named(*x) for x in zip(named, entry[1:])))
+        except (LookupError, TypeError, ArithmeticError) as error:
+            raise Refused(f"a row `{name}` names what the task does not have") from error
         return row
 
-    def inside(self, box, *taps):
+    def _named(self, letter, x):
+        """Part of an entry: number of a corner j, an axis a, a mode m; sample k; sign s; yes or no b; any number x."""
+        counted = {"j": self.problem.corners, "a": self.problem.axes, "m": self.problem.modes}
+        if letter in counted:
+            return whole(x, 0, len(counted[letter]) - 1)
+        refuse_if(letter == "b" and not isinstance(x, bool), f"{x!r} stands where true or false should")
+        return {"b": bool, "k": whole, "s": lambda y: -1 if whole(y) < 0 else 1, "x": number}[letter](x)
+
+
+class Row:
+    """Coefficients of what is never negative, so that lower ends stand for them: of taps, p_k = sum b_i max(i - k, 0),
+    of delays and samples less the least of their ranges. All else is made of p_k: B_k = 1 - p_{k-1} + p_k and
+    q_m = m - p_0 + p_m."""
+
+    def __init__(self, limits, box):
+        self.limits, self.problem, self.box, self.terms, self.bound = limits, limits.problem, box, [], 0
+
+    def term(self, what, at, c):
+        if c.lo or c.hi:
+            self.terms.append((what, at, c.lo))
+
+    def limit(self, c):
+        self.bound += exact(c).hi
+
+    def tap(self, i, c):
+        if 0 <= i <= self.box.order:
+            self.term(TAPS, i, c)
+
+    def way(self, k, c):
+        """c p_k. The first tap of a window stands for those before it, too, and has no part in it."""
+        if k < 0 and self.box.window:  # (1 - k) p_0 + k p_1
+            self.term(WAYS, 1, c * k)
+            c *= 1 - k
+        elif k < 0:  # p_0 - k
+            self.bound += c.lo * k
+        if k < self.box.order:
+            self.term(WAYS, max(k, 0), c)
+
+    def left(self, k, c):
+        """c (1 - B_k)"""
+        self.way(k - 1, c)
+        self.way(k, -c)
+
+    def response(self, k, c):
+        """c B_k"""
+        if k > 0:
+            self.bound -= c.lo
+            self.left(k, -c)
+
+    def to_go(self, k, c):
+        """c p_k behind the response's taps r_j: c sum_j r_j p_{k-j}"""
+        for j, tap in enumerate(self.problem.response):
+            self.way(k - j, c * tap)
+
+    def gone(self, m, c):
+        """c q_m behind the response's taps"""
+        for n, tap in zip(range(m, 0, -1), self.problem.response):
+            self.way(n, c * tap)
+            self.way(0, -c * tap)
+            self.bound -= (c * tap * n).lo
+
+    def inside(self, *taps):
         """The first and the last tap of a window stand for many."""
-        beyond = box.window and not all(1 <= i < box.order for i in taps)
+        beyond = self.box.window and not all(1 <= i < self.box.order for i in taps)
         refuse_if(beyond, "a multiplier names a limit beyond its window")
+
+    def responses(self, k):
+        """Bounds on B_k. @raise Empty"""
+        if self.limits.tube(self.box) is None:
+            raise Empty
+        return Enclosure(*self.box.tube.at(k))
+
+    def single_delay(self, j):
+        d1, d2, _, _ = self.box.corners[j]
+        refuse_if(d1 != d2, "a limit of the blend is used for several delays at once")
+        return d1
 
     # ---- One a kind of row.
 
-    def tap_difference(self, row, box, k, sign):
-        self.inside(box, whole(k), k - 1)
-        c = (UNIT / Enclosure(self.ramp_max)).times(sign_of(sign))
-        row.tap(k, c)
-        row.tap(k - 1, -c)
-        row.limit(UNIT)
+    def tap_difference(self, k, sign):
+        self.inside(k, k - 1)
+        c = exact(sign) / Enclosure(self.limits.ramp_max)
+        self.tap(k, c)
+        self.tap(k - 1, -c)
+        self.limit(1)
 
-    def event_force(self, row, box, stop, a, k, line=None):
-        axis = self.axis(a)
-        slope, most = curve.force_of(axis, line, self.limit)
-        scale = (self.stop if stop else self.start)[a] / most
-        if not 1 <= whole(k) <= box.order + 1:
+    def bounded_response(self, k, sign):
+        if 1 <= k <= self.box.order:
+            self.response(k, exact(sign))
+            self.limit(self.responses(k) * sign)
+
+    def budget(self):
+        for j, corner in enumerate(self.problem.corners):
+            self.term(DELAYS, j, exact(corner.weight))
+        self.limit(self.box.budget)
+
+    def _legs(self, event, at):
+        """The axis, sample, sign, speeds V_k = in (1 - B_k) + out B_{k-d} and further numbers of an entry: of a blend
+        as they are named, of a start in the direction of the motion, of a stop against it."""
+        if event == "blend":
+            j, a, k, sign, *at = at
+            corner, d = self.problem.corners[j], self.single_delay(j)
+            return a, k, sign, corner.speed_in[a], corner.speed_out[a], d, at
+        a, k, *at = at
+        start, stop = self.limits.ends[a]
+        return (a, k, -1, stop, exact(0), 0, at) if event == "stop" else (a, k, 1, exact(0), start, 0, at)
+
+    def _acceleration(self, k, into, out, d):
+        """a_k T, both speeds times any factor"""
+        self.tap(k - 1, -into)
+        self.tap(k - 1 - d, out)
+
+    def _speed(self, k, into, out, d):
+        self.left(k, into)
+        self.response(k - d, out)
+
+    def load(self, kind, event, *at):
+        a, k, sign, into, out, d, at = self._legs(event, at)
+        axis, period = self.problem.axes[a], self.problem.period
+        if not 1 <= k <= self.box.order + 2 + d:  # the jerk of the end is one later
             return
-        self.inside(box, k - 1)
-        drag = scale * (exact(axis.damping) - slope if stop else exact(axis.damping) + slope)
-        row.tap(k - 1, scale * exact(axis.mass) / self.period)
-        row.response(k, drag)
-        dry = exact(axis.coulomb) / most  # against a start, for a stop
-        row.limit(UNIT + drag + dry if stop else UNIT - dry)
-
-    def blend(self, row, box, limit, j, a, k, sign, line=None, direction=1):
-        corner, axis, d = self.corner(j), self.axis(a), self.single_delay(j, box)
-        into, out = corner.speed_in[a], corner.speed_out[a]
-        slope, most = curve.line(axis, line) if limit == "force_speed" else (ZERO, self.limit(axis, limit))
-        unit = UNIT.times(sign_of(sign)) / most
-        refuse_if(whole(k) < 1, "a multiplier names a sample that is not there")
-        before = 1 if limit == "jerk" else 0
-        self.inside(box, *(k - 1 - i - e for i in range(before + 1) for e in (0, d)))
-
-        def acceleration(at, c):  # a_at = (out b_{at-1-d} - in b_{at-1})/T
-            row.tap(at - 1, -(c * into / self.period))
-            row.tap(at - 1 - d, c * out / self.period)
-
-        if limit == "acceleration":
-            acceleration(k, unit)
-        elif limit == "jerk":
-            acceleration(k, unit / self.period)
-            acceleration(k - 1, -(unit / self.period))
-        else:
-            acceleration(k, unit * exact(axis.mass))
-            drag = unit * exact(axis.damping) + (slope / most).times(sign_of(direction))
-            row.limit(-(drag * into))
-            row.response(k, -(drag * into))
-            row.response(k - d, drag * out)
+        self.inside(*(k - 1 - i - e for i in range(1 + (kind == "jerk")) for e in (0, d)))
+        slope, most = axis.lines[at[0]] if kind == "force_speed" else (0, axis.limits[kind])
+        c = exact({"acceleration": 1, "jerk": 1 / period}.get(kind, axis.mass) / period / most * sign)
+        self._acceleration(k, into * c, out * c, d)
+        if kind == "jerk":
+            self._acceleration(k - 1, -into * c, -out * c, d)
+        elif kind != "acceleration":
+            c = exact((axis.damping * sign + slope * (at[1] if at[1:] else 1)) / most)
+            self._speed(k, into * c, out * c, d)
             # Dry friction is against an axis that keeps its direction. If it reverses, friction may help everywhere.
-            forward = 1 if (into + out).lo > 0 else -1
-            helps = 1 if (into * out).lo < 0 else -forward * sign_of(sign)
-            row.limit((UNIT / most * exact(axis.coulomb)).times(helps))
-        row.limit(UNIT)
+            against = -1 if into * out < 0 else sign if (into + out).lo > 0 else -sign
+            self.limit(-against * axis.coulomb / most)
+        self.limit(1)
 
-    def _seen(self, row, box, j, angle, exactly):
+    def power(self, kind, event, *at):
+        """F <= P (1/l + 1/u - V/(l u)), times l/P, for speeds V in [l, u]: the hyperbola P/V lies below its chord
+        there; for V < l the chord is above P/l, which must then be more than the force can be."""
+        a, k, sign, into, out, d, (low, high) = self._legs(event, at)
+        axis, sign = self.problem.axes[a], sign if event == "blend" else 1
+        into, out, bound = into * sign, out * sign, axis.limits[kind]
+        if axis.coulomb > 0:
+            raise NotCovered("a chord of power or regeneration with dry friction")
+        refuse_if(not 0 < low < high, "a chord's ends are not 0 < low < high")
+        if not 1 <= k <= self.box.order + 1 + d:
+            return
+        speeds = into * (1 - self.responses(k)) + out * self.responses(k - d)
+        # Leg 1 has lost what leg 2 has gained: the speed is between 0 and those of the legs.
+        beyond = min(speeds.hi, max(into.hi, out.hi, 0)) > exact(high).lo
+        refuse_if(beyond, "a chord ends below speeds that are left in its part")
+        if exact(low).hi > speeds.lo:
+            caps = [exact(axis.limits["force"])] if "force" in axis.limits else []
+            if "acceleration" in axis.limits:
+                fastest = Enclosure(max(abs(into).hi, abs(out).hi))
+                caps.append(fastest * axis.damping + axis.mass * axis.limits["acceleration"])
+            holds = caps and min((cap * low).hi for cap in caps) <= exact(bound).lo
+            refuse_if(not holds, "a chord begins above speeds that are left in its part")
+        force = (-low if kind == "regeneration" else low) / bound
+        c, e = exact(force * axis.mass / self.problem.period), exact(force * axis.damping + 1 / high)
+        self._acceleration(k, into * c, out * c, d)
+        self._speed(k, into * e, out * e, d)
+        self.limit(1 + low / high)
+
+    def speed(self, j, k, low, high):
+        """|V| >= v_min with V between the directions low and high: n V >= v_min cos((high - low)/2), n half way. In the
+        plane of motion V = v1 (1 - B_k) (1, 0) + v2 B_{k-d} (-cos theta, sin theta)."""
+        corner, (d1, d2, _, _) = self.problem.corners[j], self.box.corners[j]
+        refuse_if(not low < high or exact(high - low).hi >= PI.lo, "a sector is half a turn or more, or none")
+        if not 1 <= k <= self.box.order + d1:
+            return
+        into = (1 - self.responses(k)) * corner.feed_in
+        out = Enclosure(self.responses(k - d2).lo, self.responses(k - d1).hi) * corner.feed_out
+
+        def seen(angle):
+            """Parts of both legs' unit vectors along a direction, and to the left of it."""
+            ca, sa = cos_sin(angle)
+            return ca, corner.sine * sa - corner.cosine * ca, -sa, corner.sine * ca + corner.cosine * sa
+
+        # Outside by so little is allowed and paid for; not behind, where a narrow sector has both edges beside it, too.
+        outside = max(corner.feed_in, corner.feed_out) / 10**12
+        of_in, of_out, _, _ = seen((low + high) / 2)
+        edges = [(x * into + y * out) for _, _, x, y in (seen(low), seen(high))]
+        beside = min(edges[0].lo, -edges[1].hi, (of_in * into + of_out * out).lo) < -exact(outside).lo
+        refuse_if(beside, "a sector does not hold all directions that are left in its part")
+        refuse_if(d1 != d2 and of_out.lo < 0, "a sector is used for several delays, but does not hold for all")
+        # half - n V/v_min <= 0; of several delays the least has the most of leg 2
+        self._speed(k, -of_in * (corner.feed_in / corner.speed_min), -of_out * (corner.feed_out / corner.speed_min), d1)
+        self.limit(2 * outside / corner.speed_min - cos_sin((high - low) / 2)[0])
+
+    def _seen(self, j, angle, exactly):
         """cos(alpha) v1 p + cos(theta - alpha) v2 q <= eps/T, over the faster feed: coefficients of p and q. Unless p
         and q are known exactly, those below zero are traded for the most they take away: p <= N, and as much more as
-        the servo's taps are, q <= k - d."""
-        corner, (d1, _, _, k2) = self.corner(j), box.corners[j]
-        refuse_if(corner.error is None, "a multiplier names a corner error that is not bounded")
-        ca, sa = cos_sin(exact(number(angle)))
-        fastest = max(corner.feed_in, corner.feed_out)
-        row.limit(exact(corner.error / self.problem.period / fastest))
-        of_p = ca * exact(corner.feed_in / fastest)
-        of_q = (corner.cosine * ca + corner.sine * sa) * exact(corner.feed_out / fastest)
+        the response's taps are, q <= k - d."""
+        corner, (d1, _, _, k2) = self.problem.corners[j], self.box.corners[j]
+        (ca, sa), fastest = cos_sin(angle), max(corner.feed_in, corner.feed_out)
+        self.limit(corner.error / self.problem.period / fastest)
+        of_p, of_q = ca * (corner.feed_in / fastest), corner.cosine * ca + corner.sine * sa
+        of_q *= corner.feed_out / fastest
         if exactly:
             return of_p, of_q
-        refuse_if(box.window and min(of_p.lo, of_q.lo) < 0, "an error's direction bounds nothing in a window")
-        row.bound += max(-of_p.lo, 0) * (box.order + self.longer) + max(-of_q.lo, 0) * max(k2 - d1, 0)
-        return tuple(Enclosure(max(c.lo, 0), max(c.hi, 0)) for c in (of_p, of_q))
+        refuse_if(self.box.window and min(of_p.lo, of_q.lo) < 0, "an error's direction bounds nothing in a window")
+        most = self.box.order + self.limits.longer, max(k2 - d1, 0)
+        self.bound += sum(max(-c.lo, 0) * x for c, x in zip((of_p, of_q), most))
+        return (Enclosure(max(c.lo, 0), max(c.hi, 0)) for c in (of_p, of_q))
 
-    def error(self, row, box, j, angle):
-        self.corner(j)
-        d1, d2, k1, k2 = box.corners[j]
-        of_p, of_q = self._seen(row, box, j, angle, (d1, k1) == (d2, k2) and not box.window)
-        row.to_go(k2, of_p)
-        row.gone(min(k1 - d2, box.order) if box.window else k1 - d2, of_q)
+    def error(self, j, angle):
+        d1, d2, k1, k2 = self.box.corners[j]
+        of_p, of_q = self._seen(j, angle, (d1, k1) == (d2, k2) and not self.box.window)
+        self.to_go(k2, of_p)
+        self.gone(min(k1 - d2, self.box.order) if self.box.window else k1 - d2, of_q)
 
-    def contour(self, row, box, j, out):
+    def contour(self, j, out):
         """The nearer leg is min(p, q) sin(theta) away. So p(c) <= m and q(c - d) <= m at one time c, m the tolerance
         over sin(theta). Between whole numbers both are linear; over c1 .. c2 and d1 .. d2 they are at least p(c2) and
         q(c1 - d2)."""
-        corner, (c1, c2), d2 = self.corner(j), box.times[j], box.corners[j][1]
-        refuse_if(corner.contour is None, "a multiplier names a contour that is not bounded")
-        refuse_if(corner.sine.lo <= 0 or not isinstance(out, bool), "a contour of collinear legs, or of no leg")
+        corner, (c1, c2), d2 = self.problem.corners[j], self.box.times[j], self.box.corners[j][1]
         fastest, time = max(corner.feed_in, corner.feed_out), c1 - d2 if out else c2
-        at, add = floor(time), row.gone if out else row.to_go
-        scale = exact((corner.feed_out if out else corner.feed_in) / fastest)
-        add(at, scale * exact(1 - (time - at)))
-        add(at + 1, scale * exact(time - at))
-        row.limit(exact(corner.contour / self.problem.period / fastest) / corner.sine)
+        scale, add = (corner.feed_out if out else corner.feed_in) / fastest, self.gone if out else self.to_go
+        part = time - floor(time)
+        add(floor(time), exact(scale * (1 - part)))
+        add(floor(time) + 1, exact(scale * part))
+        self.limit(corner.contour / self.problem.period / fastest / corner.sine)
 
-    def range_error(self, row, box, j, angle, *touches):
-        of_p, of_q = self._seen(row, box, j, angle, False)
-        a, a_after, a_high, b, b_after, b_high = touches
-        refuse_if({type(x) for x in touches[1:3] + touches[4:]} != {bool}, "a range error lacks a true or false")
-        d1, d2, k1, k2 = box.corners[j]
-        bounds = self.bounds(box)
+    def range_error(self, j, angle, a, a_after, a_high, b, b_after, b_high):
+        (d1, d2, k1, k2), (of_p, of_q) = self.box.corners[j], self._seen(j, angle, False)
         # p_k >= p_a - z G, z = k - a, G = 1 - B_e, and z G <= z0 G + g (z - z0)
-        e, (low, high) = whole(a) + a_after, bounds.at(a + a_after)
-        g, z0 = of_p * Enclosure(ONE - low if a_high else ONE - high), (k1 if a_high else k2) - a
-        row.to_go(a, of_p)
-        row.response(e, of_p.times(z0))
-        row.limit(of_p.times(z0) + g.times(k1 - a - z0))
-        row.term(SAMPLES, j, -g)
+        e = self.responses(a + a_after)
+        g, z0 = of_p * (1 - Enclosure(e.lo if a_high else e.hi)), (k1 if a_high else k2) - a
+        self.to_go(a, of_p)
+        self.left(a + a_after, -of_p * z0)
+        self.limit(g * (k1 - a - z0))
+        self.term(SAMPLES, j, -g)
         # q_m >= q_b + y B_e, y = m - b, and y B >= y0 B + h (y - y0)
-        e, (low, high) = whole(b) + b_after, bounds.at(b + b_after)
-        h, y0 = of_q * Enclosure(high if b_high else low), (k2 - d1 if b_high else k1 - d2) - b
-        row.gone(b, of_q)
-        row.response(e, of_q.times(y0))
-        row.limit(-h.times(k1 - d1 - b - y0))
-        row.term(SAMPLES, j, h)
-        row.term(DELAYS, j, -h)
+        e = self.responses(b + b_after)
+        h, y0 = of_q * Enclosure(e.hi if b_high else e.lo), (k2 - d1 if b_high else k1 - d2) - b
+        self.gone(b, of_q)
+        self.response(b + b_after, of_q * y0)
+        self.limit(-h * (k1 - d1 - b - y0))
+        self.term(SAMPLES, j, h)
+        self.term(DELAYS, j, -h)
 
-    def budget(self, row, box):
-        refuse_if(box.budget is None, "a multiplier names a budget of delays, but there is no target")
-        for j, corner in enumerate(self.problem.corners):
-            row.term(DELAYS, j, exact(corner.weight))
-        row.limit(exact(box.budget))
+    def _residual(self, mode, natural, z, j=None):
+        """The bound of a mode's residual at a natural frequency, rad a sample. An axis' amplitude in metres bounds the
+        residual of the filter. Both legs of a blend excite the mode through the same filter, the first one d samples
+        earlier: times |v2 - v1 exp(-(z w + i wd) d)|/wd. A start or stop has one leg."""
+        refuse_if((mode.axis is None) and j is not None, "a multiplier sees a blend in a mode of the filter")
+        if mode.axis is None:
+            return mode.residual
+        a, damped = mode.axis, natural * square_root(exact(1 - z * z))
+        speed = max(self.limits.ends[a], key=lambda x: x.lo)
+        if j is not None:
+            corner, d = self.problem.corners[j], self.single_delay(j)
+            many = corner.delay is None and d >= self.problem.order_max + 2 + self.limits.longer
+            refuse_if(many, "a multiplier names the phase of a delay that stands for many")
+            left, (cosine, sine) = corner.speed_in[a] * exponential(-natural * z * d), cos_sin(damped * d)
+            along, across = abs(corner.speed_out[a] - left * cosine), abs(left * sine)
+            speed = square_root(along * along + across * across)
+        refuse_if(speed.lo <= 0, "a multiplier names a mode that nothing excites")
+        return damped / speed * (mode.displacement / self.problem.period)
 
-    def response(self, row, box, k, sign):
-        if not 1 <= whole(k) <= box.order:
-            return
-        low, high = self.bounds(box).at(k)
-        row.response(k, UNIT.times(sign_of(sign)))
-        row.bound += high if sign_of(sign) > 0 else -low
+    def vibration(self, m, *at):
+        """What is left at the last tap: tap i has fallen by exp(-z w (N - i)) there."""
+        *corner, frequency, z, angle = at if len(at) > 2 else (at[0], 0, at[1])
+        mode, order = self.problem.modes[m], self.box.order
+        refuse_if(not mode.low <= frequency <= mode.high, "a multiplier's frequency is outside its band")
+        refuse_if(not mode.least_damping <= z <= mode.most_damping, "a multiplier's damping is outside its range")
+        natural = PI * (2 * frequency * self.problem.period)
+        turn, fall = natural * square_root(exact(1 - z * z)) if z else natural, exponential(-natural * z)
+        phase, turn = cos_sin(turn * order - angle), [x * fall for x in cos_sin(turn)]
+        # Rotations and falls keep the length of an error: each adds that of its own factors and of rounding.
+        (cosine, sine), (c, s) = (x.lo for x in phase), (x.lo for x in turn)
+        error, each = sum(x.hi - x.lo for x in phase), 2 * sum(x.hi - x.lo for x in turn) + 4
+        for i in range(order, -1, -1):
+            end = self.box.window and i in (0, order)  # the taps an end stands for have any phase
+            self.terms.append((TAPS, i, -ONE if end else cosine - error))
+            cosine, sine = cosine * c + sine * s >> BITS, sine * c - cosine * s >> BITS
+            error += each
+        self.limit(self._residual(mode, natural, z, *corner))
 
 
-# Rows of the command, and of what is known of the motion behind a servo.
-BEHIND_A_SERVO = {
-    "jerk", "blend acceleration", "blend jerk", "error", "contour", "budget", "vibration", "damped vibration",
-    "blend vibration",
-}
-# Name in the file: what makes the row; how many entries it has between its name and its multiplier; whether it can
-# speak of filters of any order. Then follows what else the name says.
+# Name in the file: what makes the row, its entries between name and multiplier, what else the name says.
 KINDS = {
-    "jerk": (Rows.tap_difference, 2, True),
-    "force start": (Rows.event_force, 2, True, False), "force stop": (Rows.event_force, 2, True, True),
-    "force_speed start": (Rows.event_force, 3, True, False), "force_speed stop": (Rows.event_force, 3, True, True),
-    "blend force_speed": (Rows.blend, 6, True, "force_speed"),
-    "blend acceleration": (Rows.blend, 4, True, "acceleration"),
-    "blend jerk": (Rows.blend, 4, True, "jerk"),
-    "blend force": (Rows.blend, 4, True, "force"),
-    "error": (Rows.error, 2, True), "contour": (Rows.contour, 2, False),
-    "range error": (Rows.range_error, 8, False), "budget": (Rows.budget, 0, False),
-    "vibration": (modes.vibration, 3, True), "damped vibration": (modes.vibration, 4, False),
-    "blend vibration": (modes.blend_vibration, 5, False),
-    "power start": (chords.event_power, 4, False, False), "regeneration stop": (chords.event_power, 4, False, True),
-    "blend power": (chords.blend_power, 6, False, "power"),
-    "blend regeneration": (chords.blend_power, 6, False, "regeneration"),
-    "speed": (chords.speed, 4, False), "response": (Rows.response, 2, False),
+    "jerk": (Row.tap_difference, "ks"), "response": (Row.bounded_response, "ks"), "budget": (Row.budget, ""),
+    "error": (Row.error, "jx"), "range error": (Row.range_error, "jxkbbkbb"), "contour": (Row.contour, "jb"),
+    "speed": (Row.speed, "jkxx"), "vibration": (Row.vibration, "mxx"),
+    "damped vibration": (Row.vibration, "mxxx"), "blend vibration": (Row.vibration, "mjxxx"),
+    "blend force_speed": (Row.load, "jaksks", "force_speed", "blend"),
+    **{f"blend {kind}": (Row.power, "jaksxx", kind, "blend") for kind in ("power", "regeneration")},
+    **{f"blend {kind}": (Row.load, "jaks", kind, "blend") for kind in ("acceleration", "jerk", "force")},
+    **{f"{kind} {event}": (Row.load, "akk"[:count], kind, event) for kind, count in (("force", 2), ("force_speed", 3))
+       for event in ("start", "stop")},
+    "power start": (Row.power, "akxx", "power", "start"),
+    "regeneration stop": (Row.power, "akxx", "regeneration", "stop"),
 }
+# Rows of the command, and of what is known of the motion behind a servo.
+BEHIND_SMOOTHING = {"error", "contour", "budget"}
+BEHIND_A_SERVO = BEHIND_SMOOTHING | {
+    "jerk", "blend acceleration", "blend jerk", "vibration", "damped vibration", "blend vibration"}
+NOT_IN_WINDOWS = {"contour", "range error", "budget", "response", "speed", "damped vibration", "blend vibration",
+                  "power start", "regeneration stop", "blend power", "blend regeneration"}

@@ -85,7 +85,7 @@ def licences(paths, folder):
     """The project's licence, and what Debian says of the libraries' authors and terms, a file a package."""
     shutil.copy(ROOT / "LICENSE", folder)
     for path in paths if shutil.which("dpkg") else ():
-        # Where /lib is a link to /usr/lib, packages know some files by the short name.
+        # If /lib is a link to /usr/lib, packages know some files by the short name.
         for place in (path.resolve(), str(path.resolve()).removeprefix("/usr"), path):
             owner = subprocess.run(["dpkg", "-S", str(place)], capture_output=True, text=True).stdout.split(":")[0]
             copyright = pathlib.Path("/usr/share/doc", owner, "copyright")

@@ -1,25 +1,29 @@
 """Random machines and corners: a period, limits of a filter of a few samples, and what the kind of the machine adds."""
 import math
 
-KINDS = ("servo", "prefilter", "friction", "force-speed", "damped", "residual", "contour", "supply", "several", "all")
+KINDS = ("servo", "differ", "prefilter", "friction", "force-speed", "damped", "residual", "contour", "supply", "several",
+         "all")
 
 
 def draw(rng, kind):
     period = math.exp(rng.uniform(math.log(0.05), math.log(20.0))) * 1e-3  # s
     feed = rng.uniform(500.0, 20000.0) / 6e4  # m/s
     samples = rng.uniform(3.0, 9.0)  # that an acceleration takes
-    has = {k for k in KINDS[:-2] if rng.random() < 0.4} if kind == "all" else {kind}
+    has = {k for k in KINDS[:-2] if k != "differ" and rng.random() < 0.4} if kind == "all" else {kind}
     task = {"sample_period_ms": period * 1e3, "design": {"order_max": 120}}
     if "prefilter" in has:
         weights = [rng.random() + 0.01 for _ in range(rng.randrange(2, 6))]
         task["controller"] = {"prefilter_taps": [w / math.fsum(weights) for w in weights]}
     axis = _axis(rng, feed, feed / (samples * period), samples * period, has)
-    if "servo" in has:
+    if has & {"servo", "differ"}:
         axis["servo_gain_1_s"] = min(max(math.exp(rng.uniform(math.log(0.05), math.log(3.0))) / period, 1.0), 1e4)
         axis["velocity_feedforward"] = rng.choice([0.0, 0.5, 0.95, 1.0])
     if has & {"friction", "force-speed", "supply"}:
         _loads(rng, axis, feed, feed / (samples * period), has, task)
     task["axis"] = [axis]
+    if "differ" in has:
+        other = min(max(axis["servo_gain_1_s"] * math.exp(rng.uniform(-0.5, 0.5)), 1.0), 1e4)
+        task["axis"] = [{"name": "x", **axis}, {"name": "y", **axis, "servo_gain_1_s": other}]
     modes = [_mode(rng, samples * period, feed, k) for k in ("damped", "residual") if k in has]
     if modes:
         task["mode"] = modes

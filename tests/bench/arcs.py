@@ -210,8 +210,8 @@ Written by `tests/bench/arcs.py`: %g mm/s per axis, F%g, %g mm/s^2, T = %g ms. T
 
 The references are computed by the script, not by accdec, and keep every axis' limits. *least time* is that along the
 exact path without a jerk limit. It comes from forward and backward integration of the squared speed. *S-curve* is the
-best tangential S-curve: its speed, acceleration and jerk along the path are constants. Where a line meets an arc the
-acceleration jumps, so under a jerk limit its S-curves stop there.
+best tangential S-curve: its speed, acceleration and jerk along the path are constants. The acceleration jumps where a
+line meets an arc, so under a jerk limit its S-curves stop there.
 
 A motion within a tolerance may be faster than any on the exact path. `fixed` has one filter, `free` is
 `--plan free --time-limit %g`. The bound holds for any motion within the tolerance.

@@ -2,7 +2,7 @@
 // different. items_per_second is corners per second on one core; the argument is the filter's order N.
 //   bench_delay --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
 //
-// What limits it, measured on one core at 2.6 GHz: 78 ns a corner at N = 40 (13 million a second), 140 ns at N = 4000.
+// Its limits, measured on one core at 2.6 GHz: 78 ns a corner at N = 40 (13 million a second), 140 ns at N = 4000.
 // A corner takes 3.3 values of d(k) at N = 40 and 4.9 at N = 4000; three is the least that proves a minimum. It takes
 // 1.8 distances to find the whole delay. No part dominates. Computing the square root of the cosine law twice costs 7
 // ns more, that of the look-up 7 ns, and the dependent load of its table 8 ns. Corners in an order that the branch

@@ -13,10 +13,9 @@ sys.dont_write_bytecode = True
 from check_certificate_test import design, verdict  # noqa: E402 isort:skip
 
 import problem  # noqa: E402
-from axes import modes  # noqa: E402
 from enclosure import ONE  # noqa: E402
-from rows import TAPS, Row, Rows  # noqa: E402
-from tree import Box  # noqa: E402
+from rows import TAPS, Limits  # noqa: E402
+from tree import part  # noqa: E402
 
 
 class DampedModes(unittest.TestCase):
@@ -51,10 +50,10 @@ class DampedModes(unittest.TestCase):
         """By the filter itself at its last tap, seen at any phase."""
         task = {"sample_period_ms": 1, "corner": [{"angle_deg": 90, "feed_in_mm_min": 6000, "error_max_um": 1}],
                 "axis": [{}] * 2, "mode": [{"frequency_Hz": 40, "damping_ratio": Fraction(1, 10), "residual_max": 1}]}
-        rows, w = Rows(problem.read(task)), 2 * math.pi * 0.04
+        limits, w = Limits(problem.read(task)), 2 * math.pi * 0.04
         for angle in (0.0, 1.0, 2.5):
-            row = Row(3, rows.problem.response, False)
-            modes.vibration(rows, row, Box([(0, 0, 0, 9)], [(Fraction(0), Fraction(9))], 3).copy(order=3), 0, 40, Fraction(1, 10), Fraction(angle))
+            box = part([(0, 0, 0, 9)], [(Fraction(0), Fraction(9))], 3)
+            row = limits.row(["damped vibration", 0, 40, Fraction(1, 10), Fraction(angle), 1], box)
             self.assertEqual([what for what, _, _ in row.terms], 4 * [TAPS])
             for _, i, c in row.terms:
                 known = math.exp(-0.1 * w * (3 - i)) * math.cos(w * math.sqrt(0.99) * i - angle)

@@ -7,7 +7,7 @@
 #include "support/paths.hpp"
 #include "support/run.hpp"
 
-// What `accdec evaluate` answers, against the paper and closed forms.
+// The answers of `accdec evaluate`, against the paper and closed forms.
 
 namespace accdec {
 namespace {

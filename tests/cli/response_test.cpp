@@ -119,14 +119,14 @@ TEST_F(ResponseOfTasks, EvaluateDesignAndVerifyConsiderIt) {
   }
 }
 
-TEST_F(ResponseOfTasks, DesignNeedsOneResponseOfAllAxes) {
+TEST_F(ResponseOfTasks, ExplainNeedsOneResponseOfAllAxes) {
   const std::string axes = std::string(servo) + "[[axis]]\nservo_gain_1_s = 100\n";
-  const Outcome two = run({"design", task(axes, "")});
+  const Outcome two = run({"explain", task(axes, "")});
   EXPECT_EQ(two.code, 2);
   EXPECT_THAT(two.err, HasSubstr("task.toml:6:18: `servo_gain_1_s` of axis y is not that of axis x"));
   EXPECT_NE(run({"evaluate", task(axes, given)}).code, 2);
   const std::string negative = "response_taps = [1.25, -0.25]\n";
-  const Outcome undershoot = run({"design", task(negative, "")});
+  const Outcome undershoot = run({"explain", task(negative, "")});
   EXPECT_EQ(undershoot.code, 2);
   EXPECT_THAT(undershoot.err, HasSubstr("task.toml:4:17: `response_taps` has a negative tap"));
   EXPECT_NE(run({"evaluate", task(negative, given)}).code, 2);

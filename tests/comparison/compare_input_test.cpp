@@ -7,7 +7,7 @@
 
 #include "compare_command.hpp"
 
-// What `accdec compare` makes of wrong suites, of other solvers and of variants.
+// The answers of `accdec compare` to wrong suites, to other solvers and to variants.
 
 namespace {
 

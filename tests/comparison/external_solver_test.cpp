@@ -133,6 +133,21 @@ TEST_F(ExternalScript, HangingPrintingAndForkingEndsWithinTheLimit) {
       0);
 }
 
+TEST_F(ExternalScript, MemoryIsLimited) {
+  testing::write(home_ / "solver.sh",
+                 "head -c 300000000 /dev/zero | tail -c 300000000 > /dev/null && echo failed > \"$2\"\n");
+  const comparison::ComparisonCase subject(corner());
+  const nlp::Problem& problem = *subject.problem(false);
+  External mine{"mine", "sh {suite}/solver.sh {nl} {answer}", "nl", "values", home_.string()};
+  const auto free = ExternalSolver(mine).solve(problem, subject.start(false, 0, 1));
+  EXPECT_THAT(free.message, ::testing::Not(HasSubstr("wrote no answer")));
+  mine.memory_max = 200;
+  const auto limited = ExternalSolver(mine).solve(problem, subject.start(false, 0, 1));
+  EXPECT_EQ(limited.claim, Claim::failed);
+  EXPECT_THAT(limited.message, HasSubstr("wrote no answer"));
+  EXPECT_THAT(limited.message, HasSubstr("may have 200 MB each"));
+}
+
 TEST(ExternalCommandWords, QuotesGroupAndPlacesAreFilled) {
   using Words = std::vector<std::string>;
   const std::map<std::string, std::string> places{{"nl", "/a b/{answer}"}, {"answer", "out"}};
@@ -280,6 +295,10 @@ TEST_F(ExternalCommand, SuitesAreCheckedBeforeAnythingRuns) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.output, HasSubstr("suite.toml:"));
   EXPECT_THAT(outcome.output, HasSubstr("cbf"));
+  suite(R"(["ipopt"])", "[[external]]\nname = \"a\"\ncommand = \"s {nl}\"\nmemory_max_MB = 0\n");
+  outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, ::testing::ContainsRegex("suite.toml:[0-9]+:17: `memory_max_MB` = 0 is out of range"));
   suite(R"(["ipopt"])", "[[external]]\nname = \"a\"\ncommand = \"s {nl} {foo}\"\n");
   outcome = run("compare suite.toml --out out");
   EXPECT_EQ(outcome.exit_code, 2);

@@ -86,7 +86,7 @@ expected = "infeasible"
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
     return json::parse(testing::content(home_ / format / "manifest.json"));
   }
-  /// What another program says; none if it is not installed.
+  /// The answer of another program; none if it is not installed.
   std::optional<std::string> read_back(const std::string& tool, const std::string& file) {
     const std::string answer =
         output_of("/usr/bin/python3 '" + test_support::source_folder() + "/tests/comparison/read_back.py' " + tool +

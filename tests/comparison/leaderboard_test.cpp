@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 
 const std::string board_header =
-    R"({"record":"comparison","schema":"accdec.comparison/1","title":"Mine & yours","notes":"","starts":1,"repeats":1,"time_limit_s":1,)"
+    R"({"record":"comparison","schema":"accdec.comparison/1","title":"Mine & yours","notes":"Not tried: theirs.","starts":1,"repeats":1,"time_limit_s":1,)"
     R"("accuracy":1e-4,"targets":[0.1],"solvers":[{"name":"slow","library":"L 1"},{"name":"quick","library":"L 2"},)"
     R"({"name":"liar","library":"L 3"}]})";
 
@@ -95,6 +95,8 @@ TEST(Leaderboard, PageSaysHowToJoinAndWhatIsFair) {
   EXPECT_THAT(page->second, HasSubstr("1 easy, 1 hard"));
   EXPECT_THAT(page->second, HasSubstr("[[external]]"));
   EXPECT_THAT(page->second, HasSubstr("Fairness"));
+  EXPECT_THAT(page->second, HasSubstr("Not tried: theirs."));
+  EXPECT_THAT(page->second, HasSubstr("asked of the library"));
   EXPECT_THAT(page->second, ::testing::Not(HasSubstr("src=")));
 }
 

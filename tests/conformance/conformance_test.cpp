@@ -14,7 +14,7 @@ using solvers::Claim;
 using solvers::Solver;
 using solvers::Verdict;
 
-/// Cases that a library truly does not solve. What counts there is that the verifier does not call the point optimal.
+/// Cases that a library truly does not solve. The verifier must not call the point optimal there.
 const std::map<std::pair<std::string, std::string>, std::string>& known_failures() {
   const std::string mma =
       "its convex separable models stall at a feasible point that is not stationary, and it reports success";

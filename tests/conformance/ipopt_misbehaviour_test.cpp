@@ -1,4 +1,4 @@
-// What Ipopt does on its own, called directly, and what comes out of the interface instead.
+// Ipopt on its own, called directly, and what comes out of the interface instead.
 
 #include <algorithm>
 #include <atomic>

@@ -1,4 +1,4 @@
-// What must not work, must stop, or must be said: for every registered algorithm.
+// Cases that must not work, must stop, or must be said: for every registered algorithm.
 
 #include <algorithm>
 #include <atomic>

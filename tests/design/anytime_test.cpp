@@ -183,7 +183,7 @@ TEST(DesignTask, ASolverThatRefusesDoesNotEndTheDesign) {
   EXPECT_TRUE(result.verification.feasible) << result.message;
 }
 
-// What would take longer than the time limit leaves room for is not begun.
+// Steps that would take longer than the time limit leaves room for are not begun.
 TEST(DesignTask, StepsThatWouldTakeTooLongAreNotBegun) {
   DesignOptions options;
   options.method = Method::nlp;

@@ -65,6 +65,34 @@ TEST(DesignNlp, IsNeverLongerThanTheBestTrapezoid) {
   }
 }
 
+/// A contour bound, alone or beside a tolerance: no longer than the best trapezoid at every delay, by the verifier.
+TEST(DesignNlp, ContourIsNoLongerThanTheBestTrapezoid) {
+  for (const bool alone : {true, false}) {
+    for (const double angle : {60.0, 95.0, 140.0}) {
+      Axis axis;
+      axis.acceleration_max = 6.0;
+      axis.jerk_max = 500.0;
+      Task task =
+          plane_task(axis, plane_corner("A", angle, 10, 0.1, 0.09), alone ? std::nullopt : std::optional(60e-6));
+      task.corners[0].contour_max = 25e-6;
+      const DesignResult result = design_nlp(task);
+      ASSERT_EQ(result.status, Status::feasible) << result.message;
+      int best = 1 << 20;
+      for (int order = 15; order <= 60; order += 1) {
+        for (int ramp = 0; ramp <= order / 2; ramp += 3) {
+          const Filter filter = trapezoid(order, ramp);
+          for (int d = 0; order + d < best && d <= order + 1; ++d) {
+            if (measure(Blend(filter, task.corners[0].geometry(), d, task.sample_period)).contour_deviation > 25e-6)
+              continue;
+            if (verify_by_simulation(task, filter, {d}).feasible) best = order + d;
+          }
+        }
+      }
+      EXPECT_LE(total(result), best) << angle << (alone ? ", alone" : "");
+    }
+  }
+}
+
 TEST(DesignNlp, ShapesThatLimitsAskForAreFound) {
   // Power, regeneration, smallest speed and a vibration band: verified designs that use the limit up.
   struct Case {

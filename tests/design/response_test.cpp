@@ -128,8 +128,61 @@ TEST(DesignBehindAServo, RefusesWhatNoMethodCovers) {
   nonlinear.method = Method::nlp;
   EXPECT_THROW(design_task(task, nonlinear), std::invalid_argument);
   task.machine.axes[1].servo_gain = 100.0;
+  EXPECT_THROW(design_task(task, nonlinear), std::invalid_argument);
+  task.settings = ControllerSettings{.families = {SettingFamily::averages}, .stages = {SettableStage{}}};
   EXPECT_THROW(design_task(task), std::invalid_argument);
-  EXPECT_THROW(design_task(with_taps(everyday(), {1.5, -0.5})), std::invalid_argument);
+}
+
+/// Nearest sample of x' = Kv (s - x), each axis with its gain, to the corner: midpoint rule, steps of T/50.
+double nearest_of_loops(const Task& task, const Filter& filter, int delay) {
+  const Corner& corner = task.corners[0].geometry();
+  const double T = task.sample_period, h = T / 50.0;
+  constexpr int lead = 400;
+  std::vector<std::vector<double>> at(2);
+  for (std::size_t a = 0; a < 2; ++a) {
+    const auto i = static_cast<Eigen::Index>(a);
+    const double gain = task.machine.axes[a].servo_gain, in = corner.feed_in * corner.direction_in[i];
+    const double out = corner.feed_out * corner.direction_out[i];
+    double s = -lead * T * in, x = s - in / gain;  // evenly into the corner
+    s -= in * T * filter.mean_delay(), x -= in * T * filter.mean_delay();
+    for (int k = 1; k < 2 * lead; ++k) {
+      const double v = in * filter.remaining(k - lead) + out * filter.cumulative(k - lead - delay);
+      for (int step = 0; step < 50; ++step) {
+        const double now = s + step * h * v, half = x + 0.5 * h * gain * (now - x);
+        x += h * gain * (now + 0.5 * h * v - half);
+      }
+      s += T * v;
+      at[a].push_back(x);
+    }
+  }
+  double least = 1.0;
+  for (std::size_t k = 0; k < at[0].size(); ++k) least = std::min(least, std::hypot(at[0][k], at[1][k]));
+  return least;
+}
+
+TEST(DesignBehindAServo, AxesThatDifferAreDesignedAndVerified) {
+  for (const double other : {120.0, 260.0, 800.0}) {
+    Task task = with_gain(everyday(), 200.0);
+    task.machine.axes[1].servo_gain = other;
+    task.corners[0] = plane_corner("A", 95.0, 25.0, 0.1, 0.1);
+    task.corners[0].error_max = 50e-6;
+    DesignOptions options;
+    options.time_limit = 20.0;
+    const DesignResult result = design_task(task, options);
+    ASSERT_EQ(result.status, Status::feasible) << result.message;
+    EXPECT_FALSE(result.lower_bound);
+    EXPECT_THAT(result.message, HasSubstr("not proved"));
+    const ResultCheck check = verify_result(result, {});
+    EXPECT_TRUE(check.accepted) << ::testing::PrintToString(check.reasons);
+    const double error = nearest_of_loops(task, *result.filter, result.corners[0].delay);
+    EXPECT_NEAR(result.corners[0].corner_error, error, 1e-7);
+    EXPECT_LE(error, 50e-6 + 1e-7);
+    const Task slowest = with_gain(task, std::min(200.0, other));
+    EXPECT_LE(result.objective(), design_task(slowest, options).objective() + 10e-3) << other;
+  }
+  const DesignResult undershoots = design_task(with_taps(everyday(), {1.3, -0.3}));
+  EXPECT_EQ(undershoots.status, Status::feasible) << undershoots.message;
+  EXPECT_TRUE(verify_result(undershoots, {}).accepted);
 }
 
 }  // namespace

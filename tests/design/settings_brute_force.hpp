@@ -207,7 +207,7 @@ inline std::vector<double> average(int length) {
   return std::vector<double>(static_cast<std::size_t>(length), 1.0 / length);
 }
 
-/// Two or three impulses a delay apart. What falls between two samples is shared as a linear interpolation does it.
+/// Two or three impulses a delay apart. An impulse between two samples is shared as a linear interpolation does it.
 inline std::vector<double> impulses(const std::string& shaper, double delay) {
   const double root = std::sqrt(2.0);
   std::vector<double> weights{0.5, 0.5};

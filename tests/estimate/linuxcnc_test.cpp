@@ -1,5 +1,6 @@
 #include <numbers>
 #include <sstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,31 @@ TEST(LinuxCncEstimate, LargeCirclesHaveMoreAccelerationAlongThem) {
                along = std::sqrt(acceleration * acceleration - normal * normal);
   EXPECT_NEAR(estimated(control, "G61.1\nG2 X0 Y0 I100 J0 F3000\nM2\n"),
               long_move(2.0 * std::numbers::pi * radius, 0.0, feed, 0.0, along), 1e-4);
+}
+
+/// X and A; a degree counts as a millimetre. A has 200 and 1000, as X.
+double with_rotary_axis(const std::string& text) {
+  Machine machine = test::estimated_machine();
+  machine.axes.push_back(machine.axes[0]);
+  machine.axes[1].name = "a";
+  LineSource source("test.ngc", text);
+  ToolpathOptions options;
+  options.clamp_feeds = true;
+  options.error_max = 1e-5;
+  return estimate_time(read_toolpath(source, machine, options), machine, control).time;
+}
+
+// A move is as long as its way in X Y Z, and no axis exceeds its limits: A moves four times as far as X.
+TEST(LinuxCncEstimate, OtherAxesLimitTheMovesTheyTakePartIn) {
+  EXPECT_NEAR(with_rotary_axis("G61.1\nG1 A100 F6000\nM2\n"), long_move(100.0, 0.0, 100.0, 0.0), 1e-9);
+  EXPECT_NEAR(with_rotary_axis("G61.1\nG1 X100 A400 F6000\nM2\n"), long_move(100.0, 0.0, 50.0, 0.0, 250.0), 1e-9);
+  EXPECT_NEAR(with_rotary_axis("G61.1\nG1 X100 A50 F6000\nM2\n"), long_move(100.0, 0.0, 100.0, 0.0), 1e-9);
+}
+
+// There are no arcs between them: both moves have half their acceleration, and the second begins as the first brakes.
+TEST(LinuxCncEstimate, OtherAxesAreBlendedByParabolas) {
+  EXPECT_NEAR(with_rotary_axis("G64 P0.05\nG1 X50 F6000\nG61.1\nA50\nM2\n"),
+              2.0 * long_move(50.0, 0.0, 100.0, 0.0, 500.0) - 100.0 / 500.0, 1e-9);
 }
 
 TEST(LinuxCncEstimate, ExactStopsAndChangesToRapidMovesStop) {

@@ -60,7 +60,7 @@ class Program {
     }
   }
 
-  /// What one event leaves a mode with, seen in many directions. Inside the circle of the bound, or around it.
+  /// The residual of a mode after one event, seen in many directions. Inside the circle of the bound, or around it.
   void add_mode(const Mode& mode, double in, double out, int delay, bool inside) {
     constexpr int directions = 180;
     const double w = 2.0 * pi * mode.frequency_low, z = mode.damping_low, damped = w * std::sqrt(1.0 - z * z);

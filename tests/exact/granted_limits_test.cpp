@@ -90,7 +90,7 @@ TEST(GrantedLimits, CertificatesNameTheTolerance) {
   }
 }
 
-// What contradicts itself must do so by more than the verification grants.
+// A task that contradicts itself must do so by more than the verification grants.
 TEST(GrantedLimits, FeedsAtTheEdgeOfALimit) {
   for (const auto& [part, contradicts] : {std::pair{1.0 - 5e-10, false}, {1.0 - 1e-8, true}}) {
     Task task = twenty_taps(1.0);

@@ -204,7 +204,7 @@ TEST(Families, WiderFamiliesAreNeverWorse) {
   int found = 0;
   for (int trial = 0; trial < 12; ++trial) {
     Task task = random_task(rng, 2);
-    // Where nothing holds, all cascades of three lengths are tried: as many as the cube of the largest order.
+    // If nothing holds, all cascades of three lengths are tried: as many as the cube of the largest order.
     task.sample_period = 3e-3;
     task.design.order_max = 80;
     double before = unlimited;

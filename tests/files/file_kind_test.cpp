@@ -14,7 +14,7 @@ TEST(WrongKind, IsNamedAsWhatItSeemsToBe) {
   EXPECT_EQ(wrong_kind("# a comment\n[[corner]]\nangle_deg = 90\n", InputKind::task), "");
   EXPECT_THAT(wrong_kind("[[vary]]\n", InputKind::task), HasSubstr("seems to be a study"));
   EXPECT_THAT(wrong_kind("{\"schema\": \"accdec.result/1\"}", InputKind::task), HasSubstr("seems to be a result"));
-  EXPECT_THAT(wrong_kind("%\nG1 X1\n", InputKind::task), HasSubstr("seems to be a program"));
+  EXPECT_THAT(wrong_kind("%\nG1 X1\n", InputKind::task), HasSubstr("`accdec explore` take with --task"));
   EXPECT_THAT(wrong_kind("<svg>", InputKind::task), HasSubstr("a page or a figure"));
 }
 

@@ -26,14 +26,14 @@ TEST(TaskJson, NamesInSiAndKeysOfFilesMakeTheSameTask) {
       R"({"sample_period": 0.0007, "axis": [{"acceleration_max": 6, "mass": 34, "damping": 0.3, "force_max": 465}],
           "corner": [{"angle_deg": 80, "heading": 0.5, "feed_in": 0.1, "error_max": 33e-6, "contour_max": 2e-5, "speed_min": 0.001,
                       "delay": 3}],
-          "mode": [{"frequency": [30, 34], "residual_max": 0.1}], "program": {"error_max": 1e-5}})",
+          "mode": [{"frequency": [30, 34], "residual_max": 0.1}], "program": {"error_max": 1e-5, "contour_max": 2e-5}})",
       "task");
   const Task file = parse_task(
       "sample_period_ms = 0.7\n[[axis]]\nacceleration_max_mm_s2 = 6000\nmass_kg = 34\ndamping_N_s_m = 0.3\n"
       "force_max_N = 465\n[[corner]]\nangle_deg = 80\nheading_deg = 28.64788975654116\nfeed_in_mm_min = 6000\n"
       "error_max_um = 33\ncontour_max_um = 20\nspeed_min_mm_s = 1\ndelay_samples = 3\n[[mode]]\nfrequency_Hz = [30, "
       "34]\n"
-      "residual_max = 0.1\n[program]\nerror_max_um = 10\n",
+      "residual_max = 0.1\n[program]\nerror_max_um = 10\ncontour_max_um = 20\n",
       "task");
   EXPECT_EQ(task_to_toml(si), task_to_toml(file));
 }
@@ -42,11 +42,12 @@ TEST(TaskJson, NamesInSiAndKeysOfFilesMakeTheSameTask) {
 TEST(TaskJson, RotaryAxesHaveKeysOfTheirOwn) {
   const std::string head = "sample_period_ms = 1\n[[axis]]\nname = \"x\"\n[[axis]]\nname = \"a\"\n";
   const TaskOptions program{.require_corners = false, .axes = 9};
-  const Task task = parse_task(head +
-                                   "velocity_max_deg_s = 120\nacceleration_max_deg_s2 = 3000\n"
-                                   "jerk_max_deg_s3 = 90000\ninertia_kg_m2 = 0.8\ntorque_max_N_m = 60\n"
-                                   "force_rms_N = 700\n[controller]\nposition_unit_um = 0.1\n",
-                               "task", program);
+  const Task task = parse_task(
+      head +
+          "velocity_max_deg_s = 120\nacceleration_max_deg_s2 = 3000\n"
+          "jerk_max_deg_s3 = 90000\ninertia_kg_m2 = 0.8\ntorque_max_N_m = 60\n"
+          "torque_rms_N_m = 40\ndamping_N_m_s = 0.3\ncoulomb_N_m = 2\n[controller]\nposition_unit_um = 0.1\n",
+      "task", program);
   const Axis& a = task.machine.axes[1];
   EXPECT_EQ(a.velocity_max, 0.12);
   EXPECT_EQ(a.acceleration_max, 3.0);
@@ -54,12 +55,15 @@ TEST(TaskJson, RotaryAxesHaveKeysOfTheirOwn) {
   const double radians = 1000.0 * std::acos(-1.0) / 180.0;                                     // in 1 m
   EXPECT_NEAR(a.mass * 3.0 * 0.12, 0.8 * (3.0 * radians) * (0.12 * radians), 1e-12 * a.mass);  // W
   EXPECT_NEAR(a.force_max * 0.12, 60.0 * (0.12 * radians), 1e-9);
-  EXPECT_EQ(a.force_rms_max, 700.0);
+  EXPECT_NEAR(a.force_rms_max * 0.12, 40.0 * (0.12 * radians), 1e-9);
+  EXPECT_NEAR(a.damping * 0.12 * 0.12, 0.3 * (0.12 * radians) * (0.12 * radians), 1e-9);
+  EXPECT_NEAR(a.coulomb * 0.12, 2.0 * (0.12 * radians), 1e-9);
   EXPECT_DOUBLE_EQ(task.machine.position_unit, 1e-7);
   EXPECT_TRUE(task.notes.empty());
   const std::string text = task_to_toml(task);
-  for (const char* line : {"velocity_max_deg_s = 120.0\n", "inertia_kg_m2 = 0.8\n", "torque_max_N_m = 60.0\n",
-                           "force_rms_N = 700.0\n", "position_unit_um = 0.1\n"})
+  for (const char* line :
+       {"velocity_max_deg_s = 120.0\n", "inertia_kg_m2 = 0.8\n", "torque_max_N_m = 60.0\n", "torque_rms_N_m = 40.0\n",
+        "damping_N_m_s = 0.3\n", "coulomb_N_m = 2.0\n", "position_unit_um = 0.1\n"})
     EXPECT_THAT(text, HasSubstr(line));
   EXPECT_EQ(task_to_toml(parse_task(text, "again", program)), text);
   const Task before = parse_task(head + "velocity_max_mm_s = 120\n", "task", program);

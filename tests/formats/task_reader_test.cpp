@@ -127,7 +127,7 @@ TEST(TaskReader, SaysSeveralErrorsAtOnce) {
             "t:7:1: unknown key `eror_max_um` in [[corner]] 1; did you mean `error_max_um`?\n"
             "t:8:1: [[corner]] 2 needs `feed_in_mm_min`; allowed is 0 < feed_in_mm_min <= 10000000\n"
             "t:10:8: `turn` = \"up\" is unknown; allowed are left, right");
-  // What lies between tables is looked at when each is right in itself: here every corner is too fast.
+  // Relations between tables are looked at when each is right in itself: here every corner is too fast.
   EXPECT_EQ(
       text_of_errors("sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 10\n[[corner]]\nangle_deg = 90\n"
                      "feed_in_mm_min = 1200\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"),

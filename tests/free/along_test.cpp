@@ -12,8 +12,6 @@
 
 #include <accdec/files.hpp>
 #include <accdec/plan/along/path_speed.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
@@ -43,9 +41,9 @@ ProgramResult arc_plan(const std::string& program, const Task& task, bool free, 
   ProgramFileOptions options;
   options.compensate_arcs = compensate;
   ProgramFile file = read_program_file(name, task, options, {});
-  FreeOptions quick;
-  quick.sweeps = 1;
-  return free ? run_free_plan(name, file, task, options, quick, {}) : run_fastest_plan(name, file, task, options, {});
+  options.plan = free ? PlanKind::free : PlanKind::profiles;
+  options.free.sweeps = 1;
+  return run_program_file(name, file, task, options, {});
 }
 
 void expect_verified(const ProgramResult& result, const Task& task) {

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/plan/free/free_motion.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
@@ -54,13 +56,29 @@ TEST_P(FreeBesideFixed, IsNeverSlower) {
     ProgramFile file;
     file.path = test::path_of(program, task.machine);
     ProgramFile again = file;
-    const ProgramResult fixed = run_program_file("test", file, task, {}, {});
-    const ProgramResult free = run_free_plan("test", again, task, {}, {}, {});
+    const ProgramResult fixed = run_fixed_plan("test", file, task, {}, {});
+    const ProgramResult free = run_free_plan("test", again, task, {}, {});
     ASSERT_TRUE(free.verification.feasible) << free.message << program;
     EXPECT_THAT(verify_program_result(free, task).reasons, testing::IsEmpty()) << program;
     ASSERT_TRUE(fixed.verification.feasible) << fixed.message << program;
     EXPECT_LE(free.cycle_time, fixed.cycle_time * (1.0 + 1e-12)) << program;
   }
+}
+
+// The page of `accdec explore` has it before plan free begins.
+TEST(FreeBesideFixed, TakesThePlanThatIsKnown) {
+  Task task;
+  task.sample_period = two_ms;
+  task.machine = test::machine_of(1.0, 40.0);
+  ProgramFile file;
+  file.path = test::path_of(program_of(0, 1), task.machine);
+  FixedPlan known{file, {}};
+  known.result = run_fixed_plan("test", known.file, task, {}, {});
+  ASSERT_TRUE(known.result.verification.feasible) << known.result.message;
+  known.result.cycle_time = 1e-3;  // faster than any motion: the answer shows where it came from
+  const ProgramResult free = run_free_plan("test", file, task, {}, {}, known);
+  EXPECT_EQ(free.cycle_time, 1e-3);
+  EXPECT_STREQ(free.plan.name(), "fixed");
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, FreeBesideFixed, ::testing::Range(0, 5));

@@ -171,8 +171,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const double d : path.duration) way += d;
     if (path.blocks() > 120 || way > 5.0) return 0;  // right, but slow
     const Inputs inputs = inputs_of(machine, options);
-    const ProgramResult profiles =
-        plan_profiles_of(inputs.recorded.program, path, options.read.arc_tolerance, inputs.task);
+    const ProgramResult profiles = plan_profiles_of(inputs.recorded.program, path, inputs.task);
     if (profiles.verification.feasible) check_profiles(profiles.plan, program_machine(machine, path));
     verify(profiles, path, inputs);
     // Under sanitizers a search may take minutes; the best plan by then must hold, too.

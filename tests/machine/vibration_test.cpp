@@ -53,7 +53,7 @@ TEST(Vibration, ZvShaperLeavesNoResidual) {
   }
 }
 
-// What "residual" means: an undamped mode driven by the filtered velocity command rings on, after the start, with
+// The meaning of "residual": an undamped mode driven by the filtered velocity command rings on, after the start, with
 // |H(f)| times the amplitude of an unfiltered step. Sampled exactly: the modal coordinate e^{jwt}-demodulated is the
 // sum of the steps.
 TEST(Vibration, ResidualIsTheAmplitudeAnUndampedModeKeeps) {

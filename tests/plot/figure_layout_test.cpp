@@ -1,8 +1,10 @@
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <accdec/plot/figure.hpp>
@@ -13,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Where a text of the drawing begins, px.
+/// The place where a text of the drawing begins, px.
 std::pair<double, double> place_of(const std::string& svg, const std::string& text) {
   const std::size_t at = svg.find(">" + text + "</");
   EXPECT_NE(at, std::string::npos) << text;
@@ -59,7 +61,7 @@ TEST(Figure, ALongLabelOfALegendIsWrappedSoThatThePlotKeepsItsWidth) {
   figure.panels.resize(1);
   figure.panels[0].series.push_back({"designed", {0, 1}, {0, 1}, Mark::line_points, 0});
   figure.panels[0].series.push_back({label, {0, 1}, {1, 0}, Mark::line_points, 1});
-  figure.panels[0].series.push_back({"last", {0, 1}, {1, 1}, Mark::line_points, 2});
+  figure.panels[0].series.push_back({"last", {0, 0.5}, {1, 1}, Mark::line_points, 2});
   const PageLayout page = layout(figure);
   EXPECT_DOUBLE_EQ(page.width, 760.0);
   EXPECT_GE(page.panels[0].plot_width, 0.55 * page.width);
@@ -79,6 +81,75 @@ TEST(Figure, ALongLabelOfALegendIsWrappedSoThatThePlotKeepsItsWidth) {
   }
   EXPECT_EQ(all, label);
   EXPECT_GE(place_of(svg, "last").second, above + 11.5);
+}
+
+// Lines that end at one height: their labels stand below each other around it, in the order of the lines.
+TEST(Figure, FewLabelsStandAtTheEndsOfTheirLines) {
+  Figure figure;
+  figure.panels.resize(1);
+  Panel& panel = figure.panels[0];
+  panel.y.min = 0.0, panel.y.max = 1.0;
+  const std::vector<std::pair<std::string, double>> lines{{"low", 0.0}, {"high", 1.0}, {"here", 0.5}, {"there", 0.5}};
+  for (const auto& [label, y] : lines) panel.series.push_back({label, {0, 1}, {0.2, y}, Mark::line, 0});
+  ASSERT_EQ(legend_kind(figure, panel), LegendKind::ends);
+  const PageLayout page = layout(figure);
+  const PanelLayout& place = page.panels[0];
+  const std::string svg = render_svg(figure);
+  double above = 0.0, here = 0.0;
+  for (const char* label : {"high", "here", "there", "low"}) {
+    const auto [x, y] = place_of(svg, label);
+    EXPECT_GT(x, place.plot_left + place.plot_width);
+    EXPECT_LE(x + text_width(label), page.width);
+    EXPECT_GE(y, above + 12.0) << label;
+    EXPECT_LE(y, place.plot_top + place.plot_height + 6.0) << label;
+    above = y, here += std::string_view(label).ends_with("here") ? 0.5 * y : 0.0;
+  }
+  EXPECT_NEAR(here - 4.5, place.plot_top + 0.5 * place.plot_height, 2.0) << "letters of 12 px stand on their line";
+  panel.series[0].x[1] = 0.5;
+  EXPECT_EQ(legend_kind(figure, panel), LegendKind::column) << "one line ends elsewhere";
+}
+
+TEST(Figure, ALabelAloneIsATitleUnlessItIsThereAlready) {
+  Figure figure;
+  figure.title = "Two averages: excess";
+  figure.panels.resize(1);
+  figure.panels[0].series.push_back({"two averages", {0, 1}, {0, 1}, Mark::points, 0});
+  EXPECT_EQ(panel_title(figure, figure.panels[0]), "");
+  EXPECT_DOUBLE_EQ(layout(figure).panels[0].plot_width, figure.panel_width - 70 - 18) << "no room for a legend";
+  figure.panels[0].series[0].label = "one pole";
+  figure.panels[0].title = "time";
+  EXPECT_EQ(panel_title(figure, figure.panels[0]), "time: one pole");
+  figure.panels[0].limits.push_back({0.5, ""});
+  EXPECT_EQ(legend_kind(figure, figure.panels[0]), LegendKind::column) << "which line has the label?";
+}
+
+TEST(Figure, OneLegendNamesEachLabelOnceAboveAllPanels) {
+  Figure figure;
+  figure.columns = 2, figure.one_legend = true;
+  figure.panels.resize(2);
+  for (Panel& panel : figure.panels) {
+    panel.series.push_back({"designed", {0, 1}, {0, 1}, Mark::line, 1, true});
+    panel.series.push_back({"dashed", {0, 1}, {1, 0}, Mark::line, 1, true, 1});
+  }
+  figure.panels[1].limits.push_back({0.5, "limit"});
+  for (int i = 0; i < 30; ++i) figure.panels[1].series.push_back({fmt::format("label {}", i), {0, 1}, {0, 1}});
+  const PageLayout page = layout(figure);
+  ASSERT_EQ(page.legend.size(), 33U);
+  EXPECT_GT(page.legend.back().y, page.legend.front().y) << "in rows";
+  for (const LegendPlace& place : page.legend) {
+    // Pages show each column by itself on a phone.
+    const double column = place.x < 0.5 * page.width ? 0.0 : 0.5 * page.width;
+    EXPECT_GE(place.x, column);
+    EXPECT_LE(place.x + legend_sample + text_width(place.label), column + 0.5 * page.width);
+    EXPECT_LT(place.y, page.panels[0].y);
+  }
+  EXPECT_DOUBLE_EQ(page.panels[0].plot_width, page.panels[1].plot_width);
+  // Its samples have the dashes of the lines.
+  const std::string svg = render_svg(figure);
+  const std::string sample = fmt::format("M{:.2f},{:.2f}", page.legend[1].x, page.legend[1].y);
+  const std::size_t at = svg.find(sample);
+  ASSERT_NE(at, std::string::npos) << sample;
+  EXPECT_NE(svg.substr(svg.rfind("<path", at), at - svg.rfind("<path", at)).find("dasharray"), std::string::npos);
 }
 
 TEST(Figure, ALabelLongerThanALineIsNotCut) {

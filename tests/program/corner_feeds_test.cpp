@@ -15,7 +15,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
 #include "corner_program.hpp"
@@ -92,7 +92,7 @@ TEST(ProgramCornerFeeds, ACornerBetweenLongLegsIsPassedAtTheLargestMultiple) {
   }
 }
 
-/// Where short blocks leave no room to reach a multiple, the corner has the one below it. Each corner that is passed
+/// If short blocks leave no room to reach a multiple, the corner has the one below it. Each corner that is passed
 /// without a delay is looked at.
 TEST(ProgramCornerFeeds, EveryCornerOfRandomProgramsIsPassedAtAMultiple) {
   const Task task = test::averages_task(1, {DelayKind::corner_feed});
@@ -146,7 +146,7 @@ TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
   const std::string program = folder.write("part.ngc", test::corner_program);
   ProgramFileOptions options;
   ProgramFile file = read_program_file(program, task, options, {});
-  const ProgramResult result = run_program_file(program, file, task, options, {});
+  const ProgramResult result = run_fixed_plan(program, file, task, options, {});
   ASSERT_TRUE(result.verification.feasible) << result.message;
   ASSERT_TRUE(result.settings);
   const Toolpath& path = result.plan.path;

@@ -6,7 +6,7 @@
 
 #include "program_command.hpp"
 
-// What `accdec program --emit` writes, and that it plans to the same motion.
+// The output of `accdec program --emit`, and that it plans to the same motion.
 
 namespace {
 
@@ -91,7 +91,7 @@ TEST_F(ProgramCommand, EmittedStopsBetweenShortLegsTakeNoMoreThanBefore) {
 }
 
 // A block that G61 ends and a move in inverse time lose a sample each in LinuxCNC: 20 ms of delay are a move of 18.
-/// Where feeds step just behind a corner, the joint of the two parts is straight and has no tolerance. Rounding may
+/// If feeds step just behind a corner, the joint of the two parts is straight and has no tolerance. Rounding may
 /// turn it, and the tolerance in force is then that of the corner before, which the motion into the arc exceeds.
 TEST_F(ProgramCommand, EmittedStraightJointsHaveTheToleranceOfWhatFollows) {
   write("uneven.toml",

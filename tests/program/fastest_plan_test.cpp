@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/trajectory/profile_repair.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 
@@ -40,7 +41,7 @@ Task task_of(double jerk, int order) {
 /// The plan of one filter is a candidate of profiles.
 void expect_ordered(const std::string& program, const Task& task) {
   ProgramFile file = read_program_file(program, task, {}, {});
-  const ProgramResult fixed = run_program_file(program, file, task, {}, {});
+  const ProgramResult fixed = run_fixed_plan(program, file, task, {}, {});
   ASSERT_TRUE(fixed.verification.feasible) << program;
   file = read_program_file(program, task, {}, {});
   const ProgramResult fastest = run_fastest_plan(program, file, task, {}, {});
@@ -79,9 +80,9 @@ TEST_P(ChosenFeeds, AreNeverSlowerThanKeptOnes) {
   const std::string program = test_support::source_folder() + "/problems/program/" + c.program + ".ngc";
   const auto planned = [&](Feeds feeds) {
     ProgramFileOptions options;
-    options.feeds = feeds;
+    options.fixed.feeds = feeds;
     ProgramFile file = read_program_file(program, task, options, {});
-    return run_program_file(program, file, task, options, {});
+    return run_fixed_plan(program, file, task, options, {});
   };
   const ProgramResult chosen = planned(Feeds::choose), kept = planned(Feeds::keep);
   ASSERT_TRUE(kept.verification.feasible) << kept.message;

@@ -1,4 +1,4 @@
-// Programs that LinuxCNC's rs274 reads for us. Where it is not installed, they are skipped.
+// Programs that LinuxCNC's rs274 reads for us. If it is not installed, they are skipped.
 
 #include <cstdlib>
 

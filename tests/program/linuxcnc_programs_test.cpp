@@ -1,5 +1,5 @@
 // Programs that nobody here wrote: those of LinuxCNC's package that rs274 turns into motion without probing and without
-// following the spindle. Where the package is not installed, they are skipped.
+// following the spindle. If the package is not installed, they are skipped.
 
 #include <cstdlib>
 #include <filesystem>

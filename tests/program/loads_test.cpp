@@ -40,7 +40,7 @@ Toolpath path_of(const std::string& text, const Task& task) {
   return read_toolpath(source, task.machine, {});
 }
 
-/// What every axis does at every sample, by differences of its positions.
+/// The motion of every axis at every sample, by differences of its positions.
 struct Moved {
   std::vector<std::vector<double>> velocity, force;  // [axis][sample]
 
@@ -287,6 +287,7 @@ TEST_F(LoadsCommand, ProfilesAreHeldAgainstRatings) {
   const double rms = number_of("hot.json", "force_rms_N");
   task("force_max_N = 200\nforce_rms_N = " + std::to_string(0.7 * rms) + "\n");
   ASSERT_EQ(run("program part.ngc --task load.toml --plan profiles --json cool.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("it breaks root mean square of the force"));
   const auto seconds = [&](const char* file) {
     return nlohmann::ordered_json::parse(read(file))["cycle_time_s"].get<double>();
   };
@@ -320,6 +321,26 @@ TEST_F(LoadsCommand, OfARotaryAxisAreTorques) {
   EXPECT_THAT(read("out"), HasSubstr("27.9253          60 N m"));
   EXPECT_THAT(read("err"), HasSubstr("`velocity_max_mm_s` of axis a counts a degree as a millimetre; "
                                      "`velocity_max_deg_s` says so"));
+}
+
+/// Friction of a rotary axis is a torque; a program's only axis that turns is no linear one.
+TEST_F(LoadsCommand, FrictionOfARotaryAxisIsATorque) {
+  write("turn.toml",
+        "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 49\n[[axis]]\nname = \"a\"\n"
+        "velocity_max_deg_s = 120\ninertia_kg_m2 = 0.8\ndamping_N_m_s = 0.5\ncoulomb_N_m = 3\n"
+        "torque_max_N_m = 60\ntorque_rms_N_m = 20\n");
+  write("turn.ngc", "G1 A90 F6000\nM2\n");  // 100 deg/s within 50 ms
+  ASSERT_EQ(run("program turn.ngc --task turn.toml --feeds keep --json r.json").code, 0) << read("err");
+  ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  run("program turn.ngc --task turn.toml --feeds keep");
+  const double rad = std::acos(-1.0) / 180.0, torque = 0.8 * 2000.0 * rad + 0.5 * 100.0 * rad + 3.0;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g          60 N m", torque);
+  EXPECT_THAT(read("out"), HasSubstr(text));
+  EXPECT_THAT(read("out"), HasSubstr("% of its rating"));
+  write("line.ngc", "G1 X90 F6000\nM2\n");
+  EXPECT_EQ(run("program line.ngc --task turn.toml").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("line.ngc:1:4: axis X is not among the axes of the task"));
 }
 
 /// Whole numbers of the unit, each that of its own position; their jerk is off by four units over T^3 at most.

@@ -103,7 +103,7 @@ TEST(Motion, TheLastStepOfManyBlocksIsNoLonger) {
   EXPECT_NEAR(motion.velocity[0][blocks / 10], 10.0, 1e-9);
 }
 
-// What controllers are sent is the motion that was simulated and judged, by another summation of the same commands.
+// Controllers are sent the motion that was simulated and judged, by another summation of the same commands.
 TEST(Motion, OfACommandIsTheDirectOne) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Plan plan;

@@ -13,7 +13,7 @@
 #include "program_command.hpp"
 #include "reference.hpp"
 
-// What planning may take: filters too short for their limits, time limits, dwells of hours.
+// Limits of planning: filters too short for their limits, time limits, dwells of hours.
 
 namespace accdec::planning_limits_test {
 namespace {

@@ -187,7 +187,7 @@ TEST(Profiles, RightAnglesOfLongLegsLoseWhatTheParabolaLoses) {
 }
 
 TEST(Profiles, CirclesGoAsFastAsTheAxesAllow) {
-  // Where the circle of radius R crosses an axis direction, one axis has the whole centripetal acceleration v^2/R: v is
+  // One axis has the whole centripetal acceleration v^2/R where the circle of radius R crosses an axis direction: v is
   // at most sqrt(a R) there. On the diagonals both axes share it: v is at most 2^(1/4) of that. So a turn takes between
   // 2^(-1/4) and 1 of 2 pi R/sqrt(a R), plus start and stop.
   const double a = 1.0, R = 4e-3, turns = 10.0, slow = 2.0 * std::numbers::pi * std::sqrt(R / a);

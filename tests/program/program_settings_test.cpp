@@ -14,7 +14,7 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
 #include "corner_program.hpp"
@@ -63,9 +63,9 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
     const TemporaryFolder folder;
     const std::string program = folder.write("part.ngc", test::corner_program);
     ProgramFileOptions options;
-    options.feeds = feeds;
+    options.fixed.feeds = feeds;
     ProgramFile file = read_program_file(program, task, options, {});
-    const ProgramResult result = run_program_file(program, file, task, options, {});
+    const ProgramResult result = run_fixed_plan(program, file, task, options, {});
     ASSERT_TRUE(result.verification.feasible) << result.message;
     ASSERT_TRUE(result.settings && result.settings->chosen.width);
     const Toolpath& path = result.plan.path;

@@ -78,7 +78,7 @@ TEST_F(ProgramTable, TheRowOfProgrammedFeedsIsThatOfKeptFeeds) {
   }
 }
 
-// Where samples never move steadily, plan profiles checks each. One filter is planned in the time that is left.
+// If samples never move steadily, plan profiles checks each. One filter is planned in the time that is left.
 TEST_F(ProgramTable, PlanProfilesThatWasNotCheckedInTimeIsNamed) {
   write("slow.toml",
         "sample_period_ms = 0.1\n[[axis]]\nvelocity_max_mm_s = 500\n"

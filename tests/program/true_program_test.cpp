@@ -5,7 +5,7 @@
 
 #include "program_command.hpp"
 
-// What `accdec program` says of fine periods, dwells and circles is so.
+// The statements of `accdec program` about fine periods, dwells and circles are true.
 
 namespace {
 

@@ -3,12 +3,12 @@ import io
 import json
 import os
 import subprocess
+import xml.etree.ElementTree as xml
 
 import numpy as np
 import pytest
 
 import accdec
-from accdec import _plot
 
 
 @pytest.fixture(scope="module")
@@ -19,25 +19,16 @@ def result():
         corners={"angle_deg": 95, "feed_in": 0.1, "error_max": 50e-6}))
 
 
-def test_the_curves_are_the_simulation(result):
-    figure, motion = accdec.plot(result), accdec.simulate(result)
-    drawn = {axes.get_title(): axes for axes in figure.axes}
-    velocity = next(axes for title, axes in drawn.items() if title.startswith("velocity x"))
-    x, y = velocity.lines[0].get_data()
-    assert np.allclose(x, 1e3 * motion["time"], atol=1e-9) and np.allclose(y, 1e3 * motion["velocity"][:, 0], atol=1e-9)
-    force = next(axes for title, axes in drawn.items() if title.startswith("force x"))
-    assert any(np.allclose(line.get_ydata(), 250.0) for line in force.lines)  # the limit
-
-
-def test_every_panel_of_the_program_is_there(result):
+def test_figures_are_those_of_the_program(result, tmp_path):
+    result.write(tmp_path / "result.json")
     figure = accdec.plot(result)
-    panels = accdec._core.result_figure(result, "")["panels"]
-    titles = [axes.get_title() for axes in figure.axes]
-    assert titles[:len(panels)] == [panel["title"] for panel in panels]
-    colours = accdec._core.figure_style()["colours"]
-    for axes, panel in zip(figure.axes, panels):
-        wanted = {colours[series["style"] % len(colours)] for series in panel["series"] if series["mark"] == "line"}
-        assert wanted <= {line.get_color() for line in axes.lines}
+    assert xml.fromstring(figure.svg.encode()).tag.endswith("svg") and figure._repr_svg_() == figure.svg
+    for kind in ("svg", "html"):
+        ours, theirs = tmp_path / f"ours.{kind}", tmp_path / f"theirs.{kind}"
+        figure.savefig(ours)
+        subprocess.run([os.environ["ACCDEC_BINARY"], "plot", tmp_path / "result.json", "--out", theirs], check=True,
+                       capture_output=True)
+        assert ours.read_bytes() == theirs.read_bytes()
 
 
 def test_figures_are_saved(result, tmp_path):
@@ -45,37 +36,17 @@ def test_figures_are_saved(result, tmp_path):
     assert (tmp_path / "corner.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="no corner"):
         accdec.plot(result, "Z")
+    with pytest.raises(ValueError, match=r"did you mean \.svg\?"):
+        accdec.plot(result, path=tmp_path / "corner.svgz")
     with pytest.raises(TypeError):
         accdec.plot("result")
 
 
-@pytest.mark.parametrize("mark", ["line", "points", "line_points", "steps", "impulses", "bars", "marked_line"])
-def test_every_mark_is_drawn(mark):
-    scale = {"label": "s", "log": False, "min": None, "max": None}
-    panel = {"title": "t", "x": scale, "y": scale, "limits": [(1.5, "limit")], "bands": [(0.2, 0.4, "mode")],
-             "circles": [(0.0, 0.0, 1.0, "error")], "heat_map": None, "coloured": None, "equal_aspect": False,
-             "has_data": True, "series": [{"label": "a", "x": np.arange(9.0), "y": np.arange(9.0), "mark": mark,
-                                           "style": 9}]}
-    figure = _plot.draw({"title": "f", "panels": [panel], "columns": 1, "panel_width": 400, "panel_height": 300})
-    axes = figure.axes[0]
-    assert len(axes.lines) + len(axes.collections) + len(axes.patches) >= 4
-    assert axes.get_legend() is not None
-    figure.savefig(io.BytesIO(), format="svg")
-
-
-def test_heat_maps_and_coloured_lines_are_drawn():
-    scale = {"label": "s", "log": False, "min": None, "max": None}
-    empty = {"title": "t", "x": {**scale, "log": True}, "y": scale, "limits": [], "bands": [], "circles": [],
-             "series": [], "heat_map": None, "coloured": None, "equal_aspect": False, "has_data": True}
-    heat = {"x": np.array([1.0, 2.0, 4.0]), "y": np.array([0.0]), "values": np.array([1.0, np.nan, 3.0]), "label": "z"}
-    signed = {**heat, "values": np.array([-1.0, 0.0, 3.0])}
-    coloured = {"pieces": [(np.array([1.0, 2.0]), np.array([0.0, 1.0]), 30.0)], "low": 0.0, "high": 100.0,
-                "line_width": 1.8, "label": "use"}
-    panels = [{**empty, "heat_map": heat}, {**empty, "heat_map": signed}, {**empty, "coloured": coloured}]
-    figure = _plot.draw({"title": "f", "panels": panels, "columns": 2, "panel_width": 400, "panel_height": 300})
-    assert len(figure.axes) == 6  # with colour bars
-    assert figure.axes[1].collections[0].norm.vmin == -3.0 or any(
-        c.norm.vmin == -3.0 for axes in figure.axes for c in axes.collections)
+def test_what_draws_is_named_where_it_is_missing(result, monkeypatch):
+    monkeypatch.setenv("PATH", "/nonexistent")
+    with pytest.raises(RuntimeError, match="gnuplot is not installed .Debian package gnuplot-nox."):
+        accdec.plot(result)
+    assert "<svg" not in result._repr_html_()
 
 
 def test_exports_are_those_of_the_program(result, tmp_path):

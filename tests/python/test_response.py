@@ -90,7 +90,7 @@ def test_random_corners_are_predicted_as_the_loop_moves():
         assert predicted == pytest.approx(nearest(loop(task, taps, delay, gain, feedforward)), abs=1e-7)
 
 
-def test_axes_that_differ_are_judged_and_not_designed():
+def test_axes_that_differ_are_judged():
     axes = [{"servo_gain": 200.0, "name": "x"}, {"servo_gain": 100.0, "name": "y"}]
     corner = {"angle_deg": 95, "heading_deg": 20, "feed_in": 0.1, "delay": 12}
     taps = np.ones(20) / 20
@@ -105,8 +105,8 @@ def test_axes_that_differ_are_judged_and_not_designed():
     assert found["corner_error"] == pytest.approx(np.linalg.norm(moved, axis=1).min(), rel=1e-4)
     # A straight leg is no longer straight.
     assert found["contour_deviation"] > 0
-    with pytest.raises(ValueError, match="one response of all axes"):
-        accdec.design(everyday(200.0, axes=axes))
+    designed = accdec.design(everyday(200.0, axes=axes))
+    assert designed.status == "feasible" and "not proved" in designed.message
 
 
 def test_nonlinear_problems_do_not_consider_it():

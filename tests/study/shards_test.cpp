@@ -223,7 +223,7 @@ TEST_F(StudyCommand, ARepeatedSubmissionHasTheArgumentsOfTheFirst) {
   EXPECT_THAT(submit(""), HasSubstr("--parsable --dependency=afterany:7 --time=20 /"));
 }
 
-// What would end a comment of the script would be run on the nodes; what says the array again would win over ours.
+// Text that ends a comment of the script would be run on the nodes; an array said again would win over ours.
 TEST_F(StudyCommand, ArgumentsThatTheScriptsCannotHoldAreRefused) {
   study(5);
   for (const char* more : {"--sbatch-arg \"$(printf 'a\\nb')\"", "--sbatch-arg=--array=1-99", "--sbatch-arg=-d=3"}) {

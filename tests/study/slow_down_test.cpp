@@ -8,6 +8,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/study/point_columns.hpp>
 #include <accdec/study/slow_down.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 
@@ -76,6 +77,25 @@ TEST(SlowDown, LosesMoreThanADelayWithLinearAccDec) {
     const int delay = DelayFinder(filter)(corner.cos_interior(), 0.1 * period, 0.1 * period, r * full);
     EXPECT_NEAR(delay / 401.0, 1.0 - std::sqrt(r), 3.0 / 401.0);
     EXPECT_GE(slow_down(filter, corner, period, r * full).lost_time, delay * period);
+  }
+}
+
+/// The feed to which a corner is slowed is the fastest at which the verifier finds its contour held.
+TEST(SlowDown, KeepsTheContour) {
+  Axis axis;
+  for (const double angle : {50.0, 90.0, 140.0}) {
+    Task task = testing::plane_task(axis, testing::plane_corner("A", angle, 0, 0.1, 0.08), 200e-6);
+    task.filter = FilterSpec{.kind = Shape::boxcar, .order = 30};
+    task.corners[0].contour_max = 60e-6;
+    Row row;
+    compute_into(row, task, "slow-down", {});
+    const double factor = row.at("slow-down.factor").get<double>();
+    ASSERT_LT(factor, 1.0);
+    for (const double more : {1.0, 1.01}) {
+      Task slow = task;
+      slow.corners[0].set_feeds(more * factor * 0.1, more * factor * 0.08);
+      EXPECT_EQ(verify_by_simulation(slow, boxcar(30), {0}).feasible, more == 1.0) << angle;
+    }
   }
 }
 

@@ -274,7 +274,7 @@ TEST_F(BadStudy, SamplingFiguresAndCasesAreChecked) {
 
 TEST_F(BadStudy, NothingIsSetOrNamedTwice) {
   refused({
-      // What would be overwritten without a word: a place set twice, a column named twice.
+      // Values that would be overwritten without a word: a place set twice, a column named twice.
       {head + vary("corner.A.error_max_um", "[1]") +
            "[[vary]]\nname = \"b\"\nkey = \"corner.0.error_max_um\"\nvalues = [2]\n",
        "is set by the variation `corner.A.error_max_um` already"},

@@ -34,7 +34,7 @@ class ProgramResult : public ::testing::Test {
   }
   Outcome verify() { return run({"verify", result_}); }
   Json json() const { return Json::parse(folder_.read("result.json")); }
-  /// What verify says of a result that was changed.
+  /// The answer of verify to a result that was changed.
   Outcome changed(const Json& json) {
     folder_.write("result.json", json.dump(1));
     return verify();

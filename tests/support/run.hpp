@@ -9,7 +9,7 @@
 
 namespace accdec {
 
-/// What one run of the program gave.
+/// The outcome of one run of the program.
 struct Outcome {
   int code = -1;
   std::string out, err;

@@ -14,6 +14,7 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/figure_style.hpp>
@@ -131,13 +132,14 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
     else
       tell(result.message);
   };
-  ProgramFile fixed = file;
-  ProgramResult one_filter = run_program_file(name, fixed, task, {}, tell);
-  if (bound && one_filter.verification.feasible)
-    one_filter.corner_bound = corner_bound_as_read(*bound, chords, name, fixed, task, tip_options());
-  add(std::move(one_filter));
+  FixedPlan fixed{file, {}};
+  fixed.result = run_fixed_plan(name, fixed.file, task, {}, tell);
+  const bool fixed_holds = fixed.result.verification.feasible;
+  if (bound && fixed_holds)
+    fixed.result.corner_bound = corner_bound_as_read(*bound, chords, name, fixed.file, task, tip_options());
+  add(fixed.result);
   try {
-    ProgramResult profiles = plan_profiles_of(name, file.path, chords, task);
+    ProgramResult profiles = plan_profiles_of(name, file.path, task);
     profiles.corner_bound = bound;
     add(std::move(profiles));
   } catch (const std::invalid_argument& error) {
@@ -147,7 +149,8 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
     ProgramFileOptions options;
     options.deadline = Deadline(free_seconds);
     ProgramFile copy = file;
-    ProgramResult best = run_free_plan(name, copy, task, options, {}, tell);
+    ProgramResult best =
+        run_free_plan(name, copy, task, options, tell, fixed_holds ? std::optional(std::move(fixed)) : std::nullopt);
     // If no window gives way, the answer is the plan it began with.
     if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free()) add(std::move(best));
   }

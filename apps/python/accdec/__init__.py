@@ -21,7 +21,7 @@ from ._explain import baselines, explain
 from ._identify import identify
 from ._motion import residual_vibration, simulate, smallest_delay, taps
 from ._nlp import Problem, problem, register_solver, solve, solvers
-from ._plot import export, plot
+from ._plot import Figure, export, plot
 from ._program import program
 from ._sliders import sliders
 from ._study import compare, study
@@ -29,7 +29,7 @@ from ._study import compare, study
 del _notebook  # it has given the classes what notebooks ask for
 
 __all__ = [
-    "Explanation", "InputError", "OutputError", "Problem", "Program", "Recheck", "Result",
+    "Explanation", "Figure", "InputError", "OutputError", "Problem", "Program", "Recheck", "Result",
     "StopRun", "Task", "__version__", "baselines", "compare", "design", "evaluate", "explain", "export",
     "identify", "plot", "problem", "program", "read_result", "register_solver", "residual_vibration", "simulate",
     "sliders", "smallest_delay", "solve", "solvers", "study", "taps", "verify",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-import io
+import shutil
 from html import escape
 from typing import Any
 
@@ -22,15 +22,11 @@ def task_html(self: _core.Task) -> str:
 
 
 def result_html(self: _core.Result) -> str:
-    """The summary, and the figure where there is a filter and matplotlib to draw it."""
-    if self.x is None:
+    """The summary, and the figure where there is a filter and gnuplot to draw it."""
+    if self.x is None or not shutil.which("gnuplot"):
         return _text(self)
-    try:
-        drawing = io.StringIO()
-        plot(self).savefig(drawing, format="svg")
-    except ImportError:
-        return _text(self)
-    return _text(self) + drawing.getvalue()[drawing.getvalue().index("<svg"):]
+    drawing = plot(self).svg
+    return _text(self) + drawing[drawing.index("<svg"):]
 
 
 def program_html(self: _core.Program) -> str:

@@ -32,14 +32,15 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     plan : {"fixed", "profiles", "free"}
         "fixed": one filter for the whole program. "profiles": a filter and a speed for every corner, for controllers
         that take a position every cycle. "profiles" also makes the plan "fixed" and returns the faster one that keeps
-        all limits. "free": profiles, shortened by convex programmes over its samples as far as limits, feeds and
+        all limits. "free": the faster one, shortened by convex programmes over its samples as far as limits, feeds and
         tolerances allow any motion; see the command line's page.
     feeds : {"choose", "keep"}
         "choose": F is an upper bound. "keep": every block has its programmed feed; only with plan "fixed".
     arc_tolerance : float, optional
         m, largest distance of a chord from its arc. The default is that of the command line.
     time_limit : float, optional
-        s, for the design of a filter; by default 2 s plus 5 ms per block, at most 60. For plan "free", s for all.
+        s, for all; the design of a filter gets half of it. By default the design gets 2 s plus 5 ms per block, at most
+        60 s, and planning takes as long as it needs.
     rapid_stops, dwells_before_filter, filter_bound, compensate_arcs : bool
         As on the command line. The last one compensates the filter's radius error of arcs; not with "keep".
     tool_table : path, optional

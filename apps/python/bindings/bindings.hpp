@@ -9,7 +9,6 @@
 // Shared by the files of the module. There is one file per subject, each with one function that registers it.
 
 namespace accdec {
-struct Figure;
 struct ChosenSettings;
 }  // namespace accdec
 
@@ -29,13 +28,21 @@ void bind_figure(py::module_& module);
 void bind_program(py::module_& module);
 void bind_study(py::module_& module);
 
-/// A figure of the library as dicts, lists and arrays.
-py::dict figure_dict(const Figure& figure);
+/// The drawing of `draw`, while other threads of Python run.
+template <class Draw>
+py::bytes drawn(Draw draw) {
+  std::string drawing;
+  {
+    const py::gil_scoped_release others;
+    drawing = draw();
+  }
+  return drawing;
+}
 
-/// What to set in a controller, with the answer in words.
+/// The values to set in a controller, with the answer in words.
 py::dict settings_dict(const ChosenSettings& settings, const std::string& answer);
 
-/// What `make` makes of every item.
+/// A list with what `make` makes of every item.
 template <class Item, class Make>
 py::list list_of(const std::vector<Item>& items, Make make) {
   py::list list;

@@ -43,7 +43,7 @@ DesignOptions options_of(const Arguments& given) {
   return options;
 }
 
-/// What `make` makes, which cannot be cancelled: Ctrl-C leaves it.
+/// The result of `make`, which cannot be cancelled: Ctrl-C leaves it.
 template <class Make>
 ResultPointer made(Make make) {
   const auto result = std::make_shared<ResultPointer>();

@@ -15,7 +15,7 @@ PyObject* stop_run = nullptr;
 
 PyObject* new_class(py::module_& module, const char* name, PyObject* base, const char* doc) {
   const std::string full = std::string("accdec.") + name;
-  // What Python code raises has the attributes too.
+  // Errors that Python code raises have the attributes, too.
   const py::dict members(py::arg("file") = "", py::arg("line") = 0, py::arg("column") = 0, py::arg("message") = "",
                          py::arg("pointer") = "");
   PyObject* made =

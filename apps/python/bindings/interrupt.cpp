@@ -16,7 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds look_every{20}, leave_after{60};
 
-/// What both threads share, and own together.
+/// State that both threads share and own together.
 struct Shared {
   std::function<void(const Work&)> work;
   std::mutex mutex;

@@ -13,8 +13,6 @@
 #include <pybind11/stl.h>
 
 #include <accdec/plan/filters/program_settings.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_page.hpp>
@@ -41,19 +39,12 @@ struct Asked {
   std::map<std::string, double> given;
 };
 
-/// What planning says, now and then, ends it where no deadline does.
+/// Takes the lines that planning says now and then. They end a cancelled planning where no deadline does.
 std::function<void(const std::string&)> teller(const Work& work) {
   return [&work](const std::string& line) {
     if (work.cancelled) throw std::runtime_error("cancelled");
     work.tell(line);
   };
-}
-
-FreeOptions free_options(const Work& work) {
-  FreeOptions free;
-  free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
-  return free;
 }
 
 /// @param how  "fixed"; "profiles": that or fixed, whichever is the faster; "free"
@@ -64,20 +55,15 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
       [=](const Work& work) {
         ProgramFileOptions asked = options;
         asked.deadline.end_when(work.cancelled);
+        asked.plan = how == "free" ? PlanKind::free : how == "profiles" ? PlanKind::profiles : PlanKind::fixed;
+        asked.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        asked.free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
         ProgramFile read = read_program_file(file, *task, asked, teller(work));
         Toolpath programmed = read.path;
-        const double chords = read.reading.read.arc_tolerance;
         std::vector<ControlEstimate> estimated =
             estimate_times(programmed, task->machine, estimates.controls, estimates.given);
-        ProgramResult found = how == "free" ? run_free_plan(file, read, *task, asked, free_options(work), teller(work))
-                              : how == "profiles" ? run_fastest_plan(file, read, *task, asked, teller(work))
-                                                  : run_program_file(file, read, *task, asked, teller(work));
+        ProgramResult found = run_program_file(file, read, *task, asked, teller(work));
         found.estimates = std::move(estimated);
-        // The bounds are of motions, and the time behind a servo is that of the command.
-        if (!found.servo && !found.corner_bound && !found.plan.empty() && programmed.blocks() <= several_plans_max)
-          found.corner_bound = read.reading.read.arc_tolerance == chords
-                                   ? corner_bound_of(programmed, *task, asked.deadline)
-                                   : corner_bound_as_read({}, chords, file, read, *task, asked);
         *result = std::make_shared<Program>(std::move(found), std::move(programmed), task->machine);
       },
       progress);
@@ -154,7 +140,8 @@ py::object settings(const Program& r) {
 py::object servo(const Program& r) {
   if (!r.servo) return py::none();
   return py::dict(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
-                  py::arg("stop_error") = r.servo->stop_error);
+                  py::arg("stop_error") = r.servo->stop_error,
+                  py::arg("axes_differ") = r.plan.command()->moved.size() > 1);
 }
 
 constexpr const char* no_plan = "there is no plan: ";
@@ -251,6 +238,7 @@ settings : dict or None
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
+    axes_differ: whether axes have different servos, behind which straight legs bend.
 )";
 
 constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
@@ -315,8 +303,8 @@ void bind_program(py::module_& module) {
         options.tools.length = tool_length;
         options.rapid_stops = rapid_stops;
         options.dwells_before_filter = dwells_before_filter;
-        options.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
-        options.filter_bound = filter_bound;
+        options.fixed.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
+        options.fixed.filter_bound = filter_bound;
         options.compensate_arcs = compensate_arcs;
         options.time_limit = time_limit;
         if (time_limit) options.deadline = Deadline(*time_limit);
@@ -327,12 +315,16 @@ void bind_program(py::module_& module) {
       py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("estimate"),
       py::arg("estimate_options"), py::arg("progress"));
   module.def(
-      "program_figure",
-      [](const Program& result) {
-        require_motion(result);
-        return figure_dict(plot_program(result));
+      "program_drawing",
+      [](const Pointer& result, const std::string& format) {
+        return drawn([&] {
+          if (format == "html") return page_of(*result);
+          require_motion(*result);
+          const Figure figure = plot_program(*result, result->programmed, result->machine);
+          return convert_svg(render_svg(figure), format, figure.title);
+        });
       },
-      py::arg("result"));
+      py::arg("result"), py::arg("format"));
 }
 
 }  // namespace accdec::python

@@ -9,7 +9,7 @@
 
 namespace accdec::batch {
 
-/// Where points are computed.
+/// Points are computed in threads or in processes.
 enum class Isolation {
   threads,   ///< oneTBB in this process: for methods that are safe to run side by side
   processes  ///< one child per worker: for libraries that are not, and so that a crash costs only one point

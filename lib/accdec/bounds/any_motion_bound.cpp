@@ -46,24 +46,23 @@ class AnyMotionBound {
   AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool planes)
       : path_(path),
         machine_(machine),
-        n_(path.dimensions()),
         time_limit_(time_limit),
+        slack_(spline_slack(machine, sample_period)),
         plane_programs_left_(planes ? plane_programs_max : 0),
         planes_(machine, path.dimensions(), [this] {
           return plane_programs_left_ > 0 && plane_programs_left_-- > 0 && seconds_since(start_) < time_limit_;
         }) {
-    const SplineSlack slack = spline_slack(machine, sample_period);
-    wider_ = slack.wider, saved_ = slack.saved;
+    slack_.wider += path.narrowed;
     make_tube();
   }
 
   double bound() {
     double time = path_.dwells();
-    if (!(wider_ < unlimited)) return 0.0;
+    if (!(slack_.wider < unlimited)) return 0.0;
     for (std::size_t first = 0; first < path_.blocks();) {
       std::size_t last = first;
       while (path_.joint[last] != Joint::stop) ++last;
-      time += std::max(0.0, section(first, last) - saved_);
+      time += std::max(0.0, section(first, last) - slack_.saved);
       first = last + 1;
     }
     return time;
@@ -72,13 +71,13 @@ class AnyMotionBound {
  private:
   using Key = std::vector<std::int64_t>;
 
-  /// The radius of the tube around every block. Stops grant none. Where the path goes straight on, the tolerances at
+  /// The radius of the tube around every block. Stops grant none. If the path goes straight on, the tolerances at
   /// both ends of all that is straight count. Around a chord an arc with its own tube has room.
   void make_tube() {
     const auto granted = [&](std::size_t b) { return path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b]; };
     radius_ = tube_radii(path_);
     for (std::size_t b = 0; b < path_.blocks(); ++b)
-      radius_[b] = std::max({radius_[b], b > 0 ? granted(b - 1) : 0.0, granted(b)}) + wider_;
+      radius_[b] = std::max({radius_[b], b > 0 ? granted(b - 1) : 0.0, granted(b)}) + slack_.wider;
     for (const PathArc& arc : path_.arcs) {
       const double quarter = std::sin(0.25 * arc.angle / (arc.last - arc.first + 1.0));
       for (std::size_t b = arc.first; b <= arc.last; ++b) {
@@ -94,8 +93,8 @@ class AnyMotionBound {
     const double* p = path_.point(b);
     double length = 0.0, most = 0.0;
     std::size_t slowest = 0;
-    for (std::size_t a = 0; a < n_; ++a) {
-      const double way = p[n_ + a] - p[a];
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+      const double way = p[path_.dimensions() + a] - p[a];
       length = std::hypot(length, way);
       leg.tube.direction[a] = way;
       if (std::abs(way) / machine_.axes[a].velocity_max > most) {
@@ -104,7 +103,7 @@ class AnyMotionBound {
       }
     }
     double acceleration = unlimited, jerk = unlimited;
-    for (std::size_t a = 0; a < n_; ++a) {
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
       const double u = leg.tube.direction[a] /= length;
       if (u == 0.0) continue;
       acceleration = std::min(acceleration, acceleration_most(machine_.axes[a]) / std::abs(u));
@@ -115,13 +114,13 @@ class AnyMotionBound {
       leg.tube.pace[slowest] = std::copysign(1.0 / machine_.axes[slowest].velocity_max, leg.tube.direction[slowest]);
     } else {
       leg.tube.feed = feed;
-      for (std::size_t a = 0; a < n_; ++a) leg.tube.pace[a] = leg.tube.direction[a] / feed;
+      for (std::size_t a = 0; a < path_.dimensions(); ++a) leg.tube.pace[a] = leg.tube.direction[a] / feed;
     }
     leg.tube.radius = radius_[b];
     leg.way = path_.duration[b];
     leg.reach =
         acceleration < unlimited ? 1.2 * (feed / acceleration + (jerk < unlimited ? acceleration / jerk : 0.0)) : 0.0;
-    leg.tolerance = path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b] + wider_;
+    leg.tolerance = path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b] + slack_.wider;
     leg.last_block = b;
     return leg;
   }
@@ -215,14 +214,14 @@ class AnyMotionBound {
     const auto [entry, is_new] = rests_.try_emplace(std::move(key), 0.0);
     if (is_new && more()) {
       ++programs_;
-      entry->second = rest_loss(leg.tube, window_of(leg, cell), machine_, n_).both;
+      entry->second = rest_loss(leg.tube, window_of(leg, cell), machine_, path_.dimensions()).both;
     }
     return entry->second;
   }
 
   TubeLoss corner(const Leg& in, int cell_in, const Leg& out, int cell_out) {
     TubeWindow window{&in.tube, &out.tube, in.tolerance, 0.0, 0.0};
-    if (cell_in == none || cell_out == none) return tube_loss(window, machine_, n_);
+    if (cell_in == none || cell_out == none) return tube_loss(window, machine_, path_.dimensions());
     Key key;
     append(in.tube, in.reach, cell_in, key);
     append(out.tube, out.reach, cell_out, key);
@@ -234,15 +233,14 @@ class AnyMotionBound {
       window.before = window_of(in, cell_in);
       window.after = window_of(out, cell_out);
     }
-    return corners_[std::move(key)] = tube_loss(window, machine_, n_);
+    return corners_[std::move(key)] = tube_loss(window, machine_, path_.dimensions());
   }
 
   const Toolpath& path_;
   const Machine& machine_;
-  const std::size_t n_;
   const double time_limit_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double wider_ = 0.0, saved_ = 0.0;
+  SplineSlack slack_;
   std::vector<double> radius_;  // m, of every block's tube
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;

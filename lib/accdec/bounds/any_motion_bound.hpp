@@ -26,7 +26,7 @@ namespace accdec {
 /// each by itself. Windows of that length do not overlap; they are widened until that brings nothing more. The result
 /// is never below program_lower_bound, which lets a motion be anywhere between the joints.
 ///
-/// Where corners are close, a motion never reaches the feed, and the pace counts too little. There the sum of least
+/// If corners are close, a motion never reaches the feed, and the pace counts too little. There the sum of least
 /// times from plane to plane is larger (PlaneBound).
 ///
 /// Samples at T stand for a continuous motion, as in corner_bound. So one period (two with a jerk limit) is taken off

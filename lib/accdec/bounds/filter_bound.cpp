@@ -30,7 +30,7 @@ double lead(double p, double tap) {
   return moment(1.0 - tap - mass(p, tap), tap) - p;
 }
 
-/// Largest tap that starts block b within the acceleration limits. Where other chords move with it, any tap may.
+/// Largest tap that starts block b within the acceleration limits. If other chords move with it, any tap may.
 double largest_tap(const Toolpath& path, std::size_t b, const Machine& machine, double sample_period) {
   const std::size_t n = path.dimensions();
   const double* p = path.point(b);
@@ -108,7 +108,7 @@ std::optional<double> filter_lower_bound(const Toolpath& path, const Machine& ta
       dot += (q[a] - p[a]) * (r[a] - q[a]);
     }
     const double in = std::sqrt(in2), out = std::sqrt(out2);
-    const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b];
+    const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b] + path.narrowed;
     samples += least_separation(
         in / path.duration[b] * sample_period, out / path.duration[b + 1] * sample_period,
         largest_tap(path, b, machine, sample_period), largest_tap(path, b + 1, machine, sample_period),

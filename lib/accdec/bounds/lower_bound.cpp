@@ -18,7 +18,7 @@ double program_lower_bound(const Toolpath& path, const Machine& task_machine, do
   const double saved = machine.axes.empty() ? 0.0 : sample_period,
                wider = machine.axes.empty() ? 0.0 : any_direction * saved * saved / 8.0;
   const auto tolerance = [&](std::size_t joint) {
-    return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint];
+    return path.joint[joint] == Joint::stop ? 0.0 : path.tolerance[joint] + path.narrowed;
   };
 
   double time = path.dwells();
@@ -43,7 +43,7 @@ double program_lower_bound(const Toolpath& path, const Machine& task_machine, do
     }
     // All blocks at their feeds without ramps, or all at the highest feed with them, or windows of them.
     const double ramped = time_from_rest(way - 2.0 * static_cast<double>(last - first) * wider, fastest, direct, 2);
-    const double windows = last > first ? window_bound(path, machine, wider, first, last) : 0.0;
+    const double windows = last > first ? window_bound(path, machine, wider + path.narrowed, first, last) : 0.0;
     time += std::max({cruise, ramped - saved, windows - saved});
     first = last + 1;
   }

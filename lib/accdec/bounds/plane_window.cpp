@@ -38,8 +38,8 @@ class PlaneProgram {
       : window_(window), machine_(machine), shares_(shares), time_(time), rows_(0) {
     corner_ = window.in == nullptr ? 0 : side;
     count_ = corner_ + side;
-    step_in_ = shares.low / side;
-    step_out_ = (1.0 - shares.high) / side;
+    scale_.step_in = shares.low / side;
+    scale_.step_out = (1.0 - shares.high) / side;
     double axes2 = 0.0;
     for (std::size_t a = 0; a < dimensions; ++a) {
       const bool moves = window.out->direction[a] != 0.0 || window.after_normal[a] != 0.0 ||
@@ -48,9 +48,9 @@ class PlaneProgram {
       axes2 += machine.axes[a].velocity_max * machine.axes[a].velocity_max;
     }
     // On either side of the corner the feed is that of the faster leg, as in tube_loss.
-    feed_ = std::max(window.out->feed, window.in == nullptr ? 0.0 : window.in->feed);
-    speed_ = std::min(feed_, std::sqrt(axes2));
-    unit_ = speed_ * time / (2.0 * side);
+    scale_.feed = std::max(window.out->feed, window.in == nullptr ? 0.0 : window.in->feed);
+    scale_.speed = std::min(scale_.feed, std::sqrt(axes2));
+    scale_.unit = scale_.speed * time / (2.0 * side);
     rows_ = BoundRows((count_ + 1) * static_cast<int>(active_.size()));
     plane_ = LegPlane(window.in == nullptr ? AxisVector{} : window.in->direction, window.out->direction, active_);
     for (std::size_t i = 0; i < active_.size(); ++i) add_axis(i);
@@ -61,7 +61,7 @@ class PlaneProgram {
 
   /// The time that every motion of these shares takes at least, s.
   double least_time() const {
-    const double goal = (window_.before + window_.after) / unit_ * (1.0 - 1e-9);
+    const double goal = (window_.before + window_.after) / scale_.unit * (1.0 - 1e-9);
     double low = 0.0, high = 4.0 * time_;
     if (!(way(low) < goal)) return 0.0;
     for (int i = 0; i < 40; ++i) {
@@ -86,7 +86,7 @@ class PlaneProgram {
   void add(Entries entries, const std::array<double, 4>& powers, bool both) {
     const double most = value(powers, time_);
     if (!(most < unlimited)) return;
-    for (auto& entry : entries) entry.second *= unit_ / most;
+    for (auto& entry : entries) entry.second *= scale_.unit / most;
     rows_.add(entries, both ? -1.0 : -BoundRows::none, 1.0);
     Side limit{powers, both};
     for (double& power : limit.powers) power /= most;
@@ -106,7 +106,7 @@ class PlaneProgram {
     const double v = limits.velocity_max, a = acceleration_most(limits), jerk = limits.jerk_max;
     const bool rest = window_.in == nullptr;
     for (int k = 1; k <= count_; ++k) {
-      const double h = k <= corner_ ? step_in_ : step_out_;
+      const double h = k <= corner_ ? scale_.step_in : scale_.step_out;
       const int known = k <= corner_ ? k : rest ? 3 : k - corner_;  // steps of this side; at rest all before count
       if (v < unlimited) add_difference(i, k, {1.0, -1.0}, {0.0, v * h, 0.0, 0.0});
       if (a < unlimited && known >= 2 && k >= 2) add_difference(i, k, {1.0, -2.0, 1.0}, {0.0, 0.0, a * h * h, 0.0});
@@ -114,9 +114,10 @@ class PlaneProgram {
         add_difference(i, k, {1.0, -3.0, 3.0, -1.0}, {0.0, 0.0, 0.0, jerk * h * h * h});
     }
     if (rest) {  // in the first step no farther than at the largest acceleration, or jerk, throughout
-      if (a < unlimited) add({{column(1, i), 1.0}}, {0.0, 0.0, 0.5 * a * step_out_ * step_out_, 0.0}, true);
+      if (a < unlimited) add({{column(1, i), 1.0}}, {0.0, 0.0, 0.5 * a * scale_.step_out * scale_.step_out, 0.0}, true);
       if (jerk < unlimited)
-        add({{column(1, i), 1.0}}, {0.0, 0.0, 0.0, jerk * step_out_ * step_out_ * step_out_ / 6.0}, true);
+        add({{column(1, i), 1.0}}, {0.0, 0.0, 0.0, jerk * scale_.step_out * scale_.step_out * scale_.step_out / 6.0},
+            true);
       return;
     }
     // Across the corner, where the length of steps changes.
@@ -126,7 +127,7 @@ class PlaneProgram {
   }
   /// A divided difference of moments is at most `most`.
   void add_divided(std::size_t i, const std::vector<int>& moments, double most) {
-    const auto at = [&](int k) { return (k - corner_) * (k < corner_ ? step_in_ : step_out_); };
+    const auto at = [&](int k) { return (k - corner_) * (k < corner_ ? scale_.step_in : scale_.step_out); };
     double scale = unlimited;  // the largest factor becomes 1
     Entries entries;
     for (const int k : moments) {
@@ -142,7 +143,7 @@ class PlaneProgram {
   }
 
   void add_feed() {
-    if (!(feed_ < unlimited)) return;
+    if (!(scale_.feed < unlimited)) return;
     const double last = window_.in == nullptr ? 0.0 : plane_.angle_of(window_.in->direction);
     const double beside = last < 0.0 ? -0.4 : 0.4;
     for (int m = -1; m <= 5; ++m) {
@@ -150,7 +151,7 @@ class PlaneProgram {
       for (int k = 0; k < count_; ++k) {
         Entries entries = along(d, k + 1, 1.0);
         for (const auto& entry : along(d, k, -1.0)) entries.push_back(entry);
-        add(entries, {0.0, feed_ * (k < corner_ ? step_in_ : step_out_), 0.0, 0.0}, false);
+        add(entries, {0.0, scale_.feed * (k < corner_ ? scale_.step_in : scale_.step_out), 0.0, 0.0}, false);
       }
     }
   }
@@ -167,7 +168,7 @@ class PlaneProgram {
       if (k > corner_) add_tube(k, plane_.angle_of(back), window_.out->radius);
     }
     // The first and the last moment are at most `between` away from the planes.
-    const double between = (shares_.high - shares_.low) * speed_;
+    const double between = (shares_.high - shares_.low) * scale_.speed;
     if (window_.in != nullptr) {
       const double room = between * norm(window_.before_normal);
       add(along(window_.before_normal, 0, -1.0), {window_.before, room, 0.0, 0.0}, false);
@@ -186,8 +187,8 @@ class PlaneProgram {
   /// How far a moment is from the corner, in units.
   double far(int moment, double time) const {
     if (window_.in == nullptr && moment == 0) return 0.0;
-    const double steps = moment <= corner_ ? (corner_ - moment) * step_in_ : (moment - corner_) * step_out_;
-    return 1.001 * (speed_ * steps * time + window_.tolerance + 1e-3 * unit_) / unit_;
+    const double steps = moment <= corner_ ? (corner_ - moment) * scale_.step_in : (moment - corner_) * scale_.step_out;
+    return 1.001 * (scale_.speed * steps * time + window_.tolerance + 1e-3 * scale_.unit) / scale_.unit;
   }
   void solve() {
     const std::size_t n = active_.size(), columns = (static_cast<std::size_t>(count_) + 1) * n;
@@ -214,17 +215,19 @@ class PlaneProgram {
       sum += std::abs(costs_[j] - multipliers_.part[j]) * far(static_cast<int>(j / n), time);
     // Between the moments and the planes at full speed.
     const double left = window_.in == nullptr ? 0.0 : (shares_.high - shares_.low) * time;
-    return sum + left * speed_ * std::max(norm(window_.before_normal), norm(window_.after_normal)) / unit_;
+    return sum + left * scale_.speed * std::max(norm(window_.before_normal), norm(window_.after_normal)) / scale_.unit;
   }
 
   const PlaneWindow& window_;
   const Machine& machine_;
   const Shares shares_;
-  const double time_;                             // s, that the multipliers are of
-  double step_in_ = 0.0, step_out_ = 0.0;         // of the time
-  double feed_ = 0.0, speed_ = 0.0, unit_ = 0.0;  // m/s, m/s, m
-  int corner_ = 0, count_ = 0;                    // moments
-  std::vector<std::size_t> active_;               // axes
+  const double time_;  // s, that the multipliers are of
+  struct {
+    double step_in = 0.0, step_out = 0.0;        // of the time
+    double feed = 0.0, speed = 0.0, unit = 0.0;  // m/s, m/s, m
+  } scale_;
+  int corner_ = 0, count_ = 0;       // moments
+  std::vector<std::size_t> active_;  // axes
   LegPlane plane_;
   BoundRows rows_;
   std::vector<Side> sides_;

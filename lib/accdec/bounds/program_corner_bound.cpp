@@ -29,7 +29,7 @@ class ProgramCornerBound {
   ProgramCornerBound(const Toolpath& path, const Machine& machine, double sample_period)
       : path_(path), machine_(machine), n_(path.dimensions()) {
     const SplineSlack slack = spline_slack(machine, sample_period);
-    wider_ = slack.wider, saved_ = slack.saved;
+    wider_ = slack.wider + path.narrowed, saved_ = slack.saved;
     make_legs();
     make_classes();
   }

@@ -23,9 +23,9 @@ class WindowProgram {
   WindowProgram(const TubeLeg* in, const TubeLeg& out, double tolerance, double before, double after,
                 const Machine& machine, std::size_t dimensions)
       : in_(in), out_(out), tolerance_(tolerance), machine_(machine), rows_(0) {
-    step_ = (before + after) / moments;
-    before_ = static_cast<int>(std::floor(before / step_ + 1e-9));
-    count_ = before_ + static_cast<int>(std::floor(after / step_ + 1e-9));
+    scale_.step = (before + after) / moments;
+    before_ = static_cast<int>(std::floor(before / scale_.step + 1e-9));
+    count_ = before_ + static_cast<int>(std::floor(after / scale_.step + 1e-9));
     double axes2 = 0.0;
     for (std::size_t a = 0; a < dimensions; ++a) {
       if (out.direction[a] != 0.0 || (in != nullptr && in->direction[a] != 0.0)) active_.push_back(a);
@@ -33,9 +33,9 @@ class WindowProgram {
     }
     // On either side of the corner's moment the feed is that of the faster leg: what a filter does around a step of the
     // feed is allowed here.
-    feed_ = std::max(out.feed, in == nullptr ? 0.0 : in->feed);
-    unit_ = std::min(feed_, std::sqrt(axes2)) * step_;
-    if (!(unit_ < unlimited) || active_.empty()) count_ = 0;
+    scale_.feed = std::max(out.feed, in == nullptr ? 0.0 : in->feed);
+    scale_.unit = std::min(scale_.feed, std::sqrt(axes2)) * scale_.step;
+    if (!(scale_.unit < unlimited) || active_.empty()) count_ = 0;
     rows_ = BoundRows(columns());
     plane_ = LegPlane(in == nullptr ? Vector{} : in->direction, out.direction, active_);
     for (const std::size_t a : active_) add_axis(a);
@@ -45,7 +45,7 @@ class WindowProgram {
   }
 
   TubeLoss loss() const {
-    const double before = before_ * step_, after = (count_ - before_) * step_;
+    const double before = before_ * scale_.step, after = (count_ - before_) * scale_.step;
     TubeLoss loss;
     loss.both = before + after + least(true, true);
     loss.in = in_ == nullptr ? 0.0 : before + least(true, false);
@@ -72,14 +72,14 @@ class WindowProgram {
   void add_axis(std::size_t axis) {
     const auto i = static_cast<std::size_t>(std::find(active_.begin(), active_.end(), axis) - active_.begin());
     const Axis& limits = machine_.axes[axis];
-    const double h = step_;
+    const double h = scale_.step;
     add_differences(i, {1.0, -1.0}, limits.velocity_max * h);
     add_differences(i, {1.0, -2.0, 1.0}, acceleration_most(limits) * h * h);
     add_differences(i, {1.0, -3.0, 3.0, -1.0}, limits.jerk_max * h * h * h);
     if (in_ == nullptr && count_ > 0) {
       // In its first step from rest no farther than at the largest acceleration, or jerk, throughout.
       const double most = std::min(0.5 * acceleration_most(limits), limits.jerk_max * h / 6.0) * h * h;
-      if (most < unlimited) rows_.add({{column(1, i), unit_ / most}}, -1.0, 1.0);
+      if (most < unlimited) rows_.add({{column(1, i), scale_.unit / most}}, -1.0, 1.0);
     }
   }
   void add_differences(std::size_t i, const std::vector<double>& difference, double most) {
@@ -89,21 +89,21 @@ class WindowProgram {
     for (int k = in_ == nullptr ? 2 : length - 1; k <= count_; ++k) {
       std::vector<std::pair<int, double>> entries;
       for (int j = 0; j < length && j <= k; ++j) {
-        entries.emplace_back(column(k - j, i), difference[static_cast<std::size_t>(j)] * unit_ / most);
+        entries.emplace_back(column(k - j, i), difference[static_cast<std::size_t>(j)] * scale_.unit / most);
       }
       rows_.add(entries, -1.0, 1.0);
     }
   }
 
   void add_feed() {
-    if (!(feed_ < unlimited)) return;
+    if (!(scale_.feed < unlimited)) return;
     const double last = in_ == nullptr ? 0.0 : angle_of(in_->direction), side = last < 0.0 ? -1.0 : 1.0;
     for (int m = -1; m <= 5; ++m) {
       const Vector d = at_angle(m < 0 ? -0.4 * side : m > 4 ? last + 0.4 * side : 0.25 * m * last);
       for (int k = 0; k < count_; ++k) {
         auto entries = along(d, k + 1, 1.0);
         for (const auto& entry : along(d, k, -1.0)) entries.push_back(entry);
-        rows_.add(entries, -BoundRows::none, feed_ * step_ / unit_);
+        rows_.add(entries, -BoundRows::none, scale_.feed * scale_.step / scale_.unit);
       }
     }
   }
@@ -113,7 +113,8 @@ class WindowProgram {
     constexpr int sides = 24;
     const double tolerance = std::max(tolerance_, 1e-9);  // of an exact corner a thousandth of a micrometre
     for (int m = 0; m < sides && in_ != nullptr; ++m) {
-      rows_.add(along(at_angle(2.0 * std::numbers::pi * m / sides), before_, unit_ / tolerance), -BoundRows::none, 1.0);
+      rows_.add(along(at_angle(2.0 * std::numbers::pi * m / sides), before_, scale_.unit / tolerance), -BoundRows::none,
+                1.0);
     }
     for (int k = 0; k <= count_; ++k) {
       if (k < before_) add_tube(k, angle_of(in_->direction), in_->radius);
@@ -125,7 +126,7 @@ class WindowProgram {
     const double room = std::max(radius, 1e-9);
     for (int m = -2; m <= 2; ++m) {
       const Vector d = at_angle(away + 0.25 * std::numbers::pi * m);
-      if (dot(d, d) > 1e-12) rows_.add(along(d, moment, unit_ / room), -BoundRows::none, 1.0);
+      if (dot(d, d) > 1e-12) rows_.add(along(d, moment, scale_.unit / room), -BoundRows::none, 1.0);
     }
   }
 
@@ -133,7 +134,8 @@ class WindowProgram {
   void make_ranges() {
     high_.resize(static_cast<std::size_t>(columns()));
     for (int k = 0; k <= count_; ++k) {
-      const double far = in_ == nullptr && k == 0 ? 0.0 : 1.001 * (std::abs(k - before_) + tolerance_ / unit_ + 1e-3);
+      const double far =
+          in_ == nullptr && k == 0 ? 0.0 : 1.001 * (std::abs(k - before_) + tolerance_ / scale_.unit + 1e-3);
       for (std::size_t i = 0; i < active_.size(); ++i) high_[static_cast<std::size_t>(column(k, i))] = far;
     }
     low_ = high_;
@@ -146,19 +148,22 @@ class WindowProgram {
     std::vector<double> costs(high_.size(), 0.0);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t a = active_[i];
-      if (first && in_ != nullptr) costs[static_cast<std::size_t>(column(0, i))] += in_->pace[a] * unit_ / step_;
-      if (last) costs[static_cast<std::size_t>(column(count_, i))] -= out_.pace[a] * unit_ / step_;
+      if (first && in_ != nullptr)
+        costs[static_cast<std::size_t>(column(0, i))] += in_->pace[a] * scale_.unit / scale_.step;
+      if (last) costs[static_cast<std::size_t>(column(count_, i))] -= out_.pace[a] * scale_.unit / scale_.step;
     }
-    return step_ * rows_.multipliers(costs, low_, high_).least(costs, low_, high_);
+    return scale_.step * rows_.multipliers(costs, low_, high_).least(costs, low_, high_);
   }
 
   const TubeLeg* in_;
   const TubeLeg& out_;
   const double tolerance_;
   const Machine& machine_;
-  double step_ = 0.0, feed_ = unlimited, unit_ = 1.0;  // s, m/s, m
-  int before_ = 0, count_ = 0;                         // moments
-  std::vector<std::size_t> active_;                    // axes
+  struct {
+    double step = 0.0, feed = unlimited, unit = 1.0;  // s, m/s, m
+  } scale_;
+  int before_ = 0, count_ = 0;       // moments
+  std::vector<std::size_t> active_;  // axes
   LegPlane plane_;
   BoundRows rows_;
   std::vector<double> low_, high_;

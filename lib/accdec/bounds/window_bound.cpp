@@ -27,6 +27,7 @@ class Windows {
       : path_(path), machine_(machine), n_(path.dimensions()), wider_(wider), first_(first), last_(last) {
     const std::size_t blocks = last - first + 1;
     sizes_ = window_sizes(blocks);
+    for (const Axis& axis : machine.axes) slowest_ = std::min(slowest_, axis.acceleration_max);
     speed_.reserve(blocks);
     for (std::size_t b = first; b <= last; ++b) {
       const double* p = path.point(b);
@@ -43,24 +44,23 @@ class Windows {
     for (std::size_t k = 1; k <= blocks; ++k) {
       for (std::size_t s = 0; s < sizes_.size() && sizes_[s] <= k; ++s) {
         const std::size_t i = k - sizes_[s];
-        best[k] = std::max(best[k], best[i] + time(i, k, fastest_[s][i]));
+        const double known = std::max(0.0, best[k] - best[i]);
+        best[k] = std::max(best[k], best[i] + time(i, k, fastest_[s][i], known));
       }
     }
     return best.back();
   }
 
  private:
-  /// The highest feed of `size` blocks from each on.
+  /// The highest feed of `size` blocks from each on: that of shorter windows that cover it, whose feeds are known.
   std::vector<double> of_windows(std::size_t size) const {
-    std::vector<double> highest(speed_.size() - size + 1);
-    std::vector<std::size_t> falling;  // blocks of the window that none behind them in it is faster than
-    std::size_t head = 0;
-    for (std::size_t b = 0; b < speed_.size(); ++b) {
-      while (falling.size() > head && speed_[falling.back()] <= speed_[b]) falling.pop_back();
-      falling.push_back(b);
-      if (b + 1 < size) continue;
-      while (falling[head] + size <= b) ++head;
-      highest[b + 1 - size] = speed_[falling[head]];
+    if (size == 1) return speed_;
+    const std::vector<double>& parts = fastest_.back();
+    const std::size_t part = speed_.size() + 1 - parts.size();  // blocks of one of them
+    std::vector<double> highest(parts.begin(), parts.end() - static_cast<std::ptrdiff_t>(size - part));
+    for (std::size_t from = part; from < size; from += part) {
+      const double* other = parts.data() + std::min(from, size - part);
+      for (std::size_t b = 0; b < highest.size(); ++b) highest[b] = std::max(highest[b], other[b]);
     }
     return highest;
   }
@@ -80,7 +80,9 @@ class Windows {
     return sum;
   }
 
-  double time(std::size_t i, std::size_t k, double speed) const {
+  /// Least time of the window from point i to k. If it is not above `known`, it may be less, or 0: most
+  /// windows are passed over by squares, without roots.
+  double time(std::size_t i, std::size_t k, double speed, double known) const {
     const double ends = tolerance(i) + tolerance(k);
     if (!(ends < unlimited)) return 0.0;
     std::array<double, program_axis_count> chord{}, aside{};
@@ -92,22 +94,25 @@ class Windows {
       chord2 += chord[a] * chord[a];
       along += chord[a] * aside[a];
     }
-    const double length = std::sqrt(chord2);
     double time = 0.0;
-    if (length > ends) {
-      const int at_rest = (rests(i) ? 1 : 0) + (rests(k) ? 1 : 0);
+    const int at_rest = (rests(i) ? 1 : 0) + (rests(k) ? 1 : 0);
+    const double reached = ends + (at_rest > 0 ? 0.0 : known * speed);  // in the time known, from end to end
+    if (chord2 > reached * reached) {
+      const double length = std::sqrt(chord2);
       time =
           time_from_rest(length - ends, speed, at_rest > 0 ? acceleration(chord.data(), length) : unlimited, at_rest);
     }
     if (j == i || !(tolerance(j) < unlimited)) return time;
+    const double longest = std::max(time, known), wide = tolerance(j) + std::max(tolerance(i), tolerance(k));
     double height2 = 0.0;
     for (std::size_t a = 0; a < n_; ++a) {
       if (chord2 > 0.0) aside[a] -= chord[a] * (along / chord2);
       height2 += aside[a] * aside[a];
     }
-    const double height = std::sqrt(height2), left = height - tolerance(j) - std::max(tolerance(i), tolerance(k));
-    if (!(left > 0.0)) return time;
-    return std::max(time, std::sqrt(8.0 * left / acceleration(aside.data(), height)));
+    const double aside_in_that = wide + 0.125 * longest * longest * slowest_;
+    if (!(height2 > aside_in_that * aside_in_that)) return time;
+    const double height = std::sqrt(height2);
+    return std::max(time, std::sqrt(8.0 * (height - wide) / acceleration(aside.data(), height)));
   }
 
   const Toolpath& path_;
@@ -115,6 +120,7 @@ class Windows {
   const std::size_t n_;
   const double wider_;
   const std::size_t first_, last_;
+  double slowest_ = unlimited;  // m/s^2: no direction has a lower bound of acceleration
   std::vector<std::size_t> sizes_;
   std::vector<double> speed_;                 // of every block
   std::vector<std::vector<double>> fastest_;  // of every size, by the window's first block

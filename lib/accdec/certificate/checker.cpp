@@ -35,9 +35,9 @@ class Checker {
       lemma(l);
     }
     target_ = target;
-    known_ = proof_.lemmas.size();
+    lemmas_.known = proof_.lemmas.size();
     whole_tree(proof_.tree, [&] { node(root(), 0); });
-    return leaves_.checked() + cited_;
+    return leaves_.checked() + lemmas_.cited;
   }
 
  private:
@@ -107,8 +107,9 @@ class Checker {
   }
 
   void check(const proof::ByLemma& n, const CheckedBox&, const CheckedBox& box, int) {
-    if (n.lemma < 0 || n.lemma >= static_cast<int>(known_)) throw Rejected("the tree names a lemma that is not there");
-    ++cited_;
+    if (n.lemma < 0 || n.lemma >= static_cast<int>(lemmas_.known))
+      throw Rejected("the tree names a lemma that is not there");
+    ++lemmas_.cited;
     const proof::Lemma& l = proof_.lemmas[static_cast<std::size_t>(n.lemma)];
     bool covers = l.window || box.order <= l.order;
     for (const proof::CornerDelay& d : l.delays)
@@ -251,7 +252,9 @@ class Checker {
   CheckedLeaves leaves_;
   NodeReader nodes_;
   double target_;
-  std::size_t cited_ = 0, known_ = 0;  // lemmas: parts that name one; those that may be named
+  struct {
+    std::size_t cited = 0, known = 0;  // parts that name one; those that may be named
+  } lemmas_;
 };
 
 std::string check(const proof::ConstantFeed&, const Task& task, const DesignResult& result,

@@ -223,7 +223,7 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
   std::vector<int> least;
   for (const TaskCorner& corner : granted.corners)
     least.push_back(corner.delay ? *corner.delay : least_delay_behind(response, corner, task.sample_period));
-  // What costs as much as the target up to rounding is not shorter.
+  // A member that costs as much as the target up to rounding is not shorter.
   const double limit = std::isinf(target) ? none : target * (1.0 - 1e-9);
   const double given = cost.given_delays(task);
   const double end = std::isinf(limit) ? 1e9 : std::ceil((limit - given) / cost.filter) - 1.0;

@@ -14,8 +14,8 @@ namespace accdec {
 
 /// Looks at every member of the families that a task's settings name, and refutes all that could cost less than a
 /// target. A member is refuted where a start, a stop or a vibration breaks a limit, or where the delays it needs cost
-/// too much. Its legs are summed sample by sample, and limits are wider than written as in every proof. What that
-/// leaves open is simulated as the verification does.
+/// too much. Its legs are summed sample by sample, and limits are wider than written as in every proof. Members
+/// that this leaves open are simulated as the verification does.
 /// @param target  samples of the objective; infinite: all members must break limits
 /// @param stop    polled
 /// @return the members refuted, by family and rule

@@ -113,7 +113,7 @@ FamilyMember behind(const FamilyMember& member, const std::vector<double>& respo
 
 }  // namespace
 
-/// What bounds a member's acceleration and jerk at any speed.
+/// The steepness that bounds a member's acceleration and jerk at any speed.
 struct MemberLimits::Steepness {
   double tap = 0.0, step = 0.0;  ///< the largest tap, and the largest difference of neighbours
 

@@ -65,29 +65,6 @@ std::string session_text(const ComparisonData& data) {
       s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
 }
 
-/// The solvers compared, with their settings beyond those that are the same for all.
-std::string solvers_html(const ComparisonData& data) {
-  const batch::Row& solvers = data.header.at("solvers");
-  const bool any_options =
-      std::any_of(solvers.begin(), solvers.end(), [](const batch::Row& s) { return s.contains("options"); });
-  std::vector<std::string> head{"solver", "library", "search", "uses", "form", "asked of the library"};
-  if (any_options) head.emplace_back("and for this entry");
-  std::vector<std::vector<std::string>> rows;
-  for (const batch::Row& solver : solvers) {
-    rows.emplace_back();
-    for (const char* key : {"name", "library", "search", "uses", "form", "settings"})
-      rows.back().push_back(solver.value(key, ""));
-    if (!any_options) continue;
-    std::vector<std::string> options;
-    if (const auto set = solver.find("options"); set != solver.end()) {
-      for (const auto& [name, value] : set->items())
-        options.push_back(fmt::format("{} = {}", name, value.is_string() ? value.get<std::string>() : value.dump()));
-    }
-    rows.back().push_back(fmt::format("{}", fmt::join(options, ", ")));
-  }
-  return html_table({head, rows});
-}
-
 /// Says that there is no contradiction.
 std::string no_contradiction(const ComparisonData& data) {
   return html_paragraph(
@@ -144,6 +121,28 @@ std::string part(const ComparisonTable& table, const std::vector<std::size_t>& c
 }
 
 }  // namespace
+
+std::string solvers_html(const ComparisonData& data) {
+  const batch::Row& solvers = data.header.at("solvers");
+  const bool any_options =
+      std::any_of(solvers.begin(), solvers.end(), [](const batch::Row& s) { return s.contains("options"); });
+  std::vector<std::string> head{"solver", "library", "search", "uses", "form", "asked of the library"};
+  if (any_options) head.emplace_back("and for this entry");
+  std::vector<std::vector<std::string>> rows;
+  for (const batch::Row& solver : solvers) {
+    rows.emplace_back();
+    for (const char* key : {"name", "library", "search", "uses", "form", "settings"})
+      rows.back().push_back(solver.value(key, ""));
+    if (!any_options) continue;
+    std::vector<std::string> options;
+    if (const auto set = solver.find("options"); set != solver.end()) {
+      for (const auto& [name, value] : set->items())
+        options.push_back(fmt::format("{} = {}", name, value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+    rows.back().push_back(fmt::format("{}", fmt::join(options, ", ")));
+  }
+  return html_table({head, rows});
+}
 
 std::vector<std::pair<std::string, std::string>> comparison_documents(const std::vector<std::string>& lines) {
   const ComparisonData data = comparison::read_comparison(lines);

@@ -34,6 +34,8 @@ ComparisonTable pairs_table(const comparison::ComparisonData& data);
 ComparisonTable leaderboard_table(const comparison::ComparisonData& data);
 /// The same as a page: sorted by a click, with how to join and what is fair in it. Both in leaderboard.cpp.
 std::string leaderboard_html(const comparison::ComparisonData& data);
+/// The solvers compared, with their settings beyond those that are the same for all.
+std::string solvers_html(const comparison::ComparisonData& data);
 
 /// Name and figure. There are joint performance profiles by the time to the judged accuracy, and by the time until the
 /// solver ends ("performance-end"). There are pairwise profiles against the solver that solves most, by the time to

@@ -10,7 +10,7 @@
 
 namespace accdec::comparison {
 
-/// What became of an answer to the whole choice of taps and delays.
+/// The outcome of an answer to the whole choice of taps and delays.
 struct DesignAnswer {
   bool whole = false;                  ///< its delays are whole numbers within 1e-3
   std::optional<DesignResult> design;  ///< simulated, every limit held; none: no filter found for its delays

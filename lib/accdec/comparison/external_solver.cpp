@@ -182,6 +182,7 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
   ProcessLimits limits;
   limits.seconds = options.time_limit;
   limits.folder_goes = true;
+  limits.most_memory = static_cast<std::size_t>(external_.memory_max) * 1'000'000;
   try {
     const LimitedOutput output = run_limited(words, folder.string(), limits);
     result.wall_time = output.seconds;
@@ -191,6 +192,8 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
       return result;
     }
     result.message = fmt::format("exit code {}: {}", output.exit_code, last_line(output.output));
+    if (external_.memory_max > 0 && output.exit_code != 0)
+      result.message += fmt::format(" (its processes may have {} MB each)", external_.memory_max);
     const bool printed = external_.answer == "names" && external_.command.find("{answer}") == std::string::npos;
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());

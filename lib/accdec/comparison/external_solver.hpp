@@ -15,6 +15,7 @@ struct External {
   std::string reads;    ///< nl, mps or cbf
   std::string answer;   ///< sol: AMPL's solution file; values: a word, then one number for each variable; names
   std::string folder;   ///< of the suite, for {suite}
+  int memory_max = 0;   ///< MB that every process of it may have; 0: no limit
 };
 
 /// The words of a command. Spaces outside of quotes ('..' or "..") split it. {name} is replaced by the value of the

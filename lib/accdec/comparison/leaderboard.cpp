@@ -121,14 +121,18 @@ std::string fairness_html(const ComparisonData& data) {
       "by the tangents of an MPS file, are replaced by others at the same delays. The exact method is made for these "
       "problems, and the difficulty is counted in its own steps: neither is neutral.");
   text += html_paragraph(
-      "Options are those of the suite, or the libraries' own; report.html lists them. They were not tuned for each "
-      "solver alike. Programs count their start, reading and writing. Solvers not listed here were not tried.");
+      "Options are those of the suite, or the libraries' own, as below. They were not tuned for each solver alike. "
+      "Solvers of the registry begin at a trapezoid, and at seeded changes of it if there are more starts. Programs "
+      "get "
+      "the same start in an .nl file, and none in the others. They count their own start, reading and writing. Solvers "
+      "not listed here were not tried.");
+  if (const std::string notes = h.value("notes", ""); !notes.empty()) text += html_paragraph(notes);
   if (data.session.contains("machine")) {
     const batch::Row& machine = data.session["machine"];
     text += html_paragraph(fmt::format("Machine: {}, {} cores, {} workers at a time.", machine.value("processor", "?"),
                                        machine.value("cores", 0), data.session.value("workers", 0)));
   }
-  return text;
+  return text + solvers_html(data);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ class ReferenceSearch {
   virtual std::vector<Part> left(const exact::Multipliers& y, const exact::Box& box, const Part& part);
   exact::Outcome solve(const exact::Box& box, bool strongest) { return relaxation_.solve(box, symmetric(), strongest); }
   virtual std::vector<Part> all() const { return {Part{}}; }
-  /// Where to look for a filter better than `best`, with its own response as a guide.
+  /// The part in which to look for a filter better than `best`, with its own response as a guide.
   virtual Part around_best() const { return {}; }
   /// Whether the excess over the tolerances is the value itself, so that small steps lead to the same result as large
   /// ones.

@@ -186,6 +186,9 @@ std::vector<Key> variant_keys() {
 }
 
 std::vector<Key> external_keys() {
+  Key memory = integer("memory_max_MB", "memory that each of its processes may have, counted as addresses", {1, 1e7},
+                       "no limit", "4000");
+  memory.unit = "MB";
   return {
       required(text_key("name", "name in tables and figures", "", "\"my solver\"")),
       required(text_key(
@@ -202,7 +205,8 @@ std::vector<Key> external_keys() {
            "limit), then a number for each variable; `names`: lines with a variable's name in the file (X1, X2, .. in "
            "MPS) and its value, others are 0, the claim by words like \"optimal\" and \"infeasible\"; what is printed, "
            "if `command` has no {answer}",
-           {"sol", "values", "names"}, "sol", "\"names\"")};
+           {"sol", "values", "names"}, "sol", "\"names\""),
+      memory};
 }
 
 FileKind make_suite_file() {

@@ -84,8 +84,12 @@ Competitor read_variant(const Table& table) {
 }
 
 Competitor read_external(const Table& table, const std::string& folder) {
-  comparison::External external{*table.text("name"), *table.text("command"), table.word("reads"), table.word("answer"),
-                                folder};
+  comparison::External external{*table.text("name"),
+                                *table.text("command"),
+                                table.word("reads"),
+                                table.word("answer"),
+                                folder,
+                                table.integer("memory_max_MB").value_or(0)};
   if (external.command.find("{" + external.reads + "}") == std::string::npos)
     table.fail_at("command", fmt::format("`command` needs {{{}}}, the place of the problem's file", external.reads));
   try {
@@ -98,6 +102,7 @@ Competitor read_external(const Table& table, const std::string& folder) {
   c.solver = "external";
   c.form = Competitor::Form::sparse;
   c.native = {{"command", external.command}, {"reads", external.reads}, {"answer", external.answer}};
+  if (external.memory_max > 0) c.native["memory_max_MB"] = std::to_string(external.memory_max);
   c.external = std::make_shared<comparison::ExternalSolver>(std::move(external));
   return c;
 }

@@ -207,7 +207,7 @@ class Anytime {
       offer_design(std::move(*result));
   }
 
-  /// Where nothing better may follow, at least the filters that controls have are searched in earnest.
+  /// If nothing better may follow, at least the filters that controls have are searched in earnest.
   void families() {
     if (over() || task_.filter) return;
     constexpr double most = 2.0;  // s; the two-stage averages take a few ms

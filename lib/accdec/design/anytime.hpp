@@ -12,7 +12,7 @@ namespace accdec {
 /// used, and nothing is proved.
 DesignResult design_anytime(const Task& task, const DesignOptions& options);
 
-/// What of the options the exact method takes, whoever calls it.
+/// The options that the exact method takes from these, whoever calls it.
 /// @param time_limit  s, of this call
 ExactOptions exact_options(const DesignOptions& options, double time_limit);
 

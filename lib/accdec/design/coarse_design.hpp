@@ -10,7 +10,7 @@ namespace accdec {
 /// of few taps. With many taps, its first designs are far from the best where limits are not convex.
 ///
 /// The long filter's cumulative response is read in between its samples. That keeps velocity and acceleration. A moving
-/// average of a long period behind it keeps the jerk. Where limits still break, the filter is stretched a little. The
+/// average of a long period behind it keeps the jerk. If limits still break, the filter is stretched a little. The
 /// result is verified at the task's period.
 /// @return none if the task needs few taps, fixes them, or has a response that is measured at its period
 std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions& options, double seconds);

@@ -11,6 +11,7 @@
 #include <accdec/design.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/design_settings.hpp>
+#include <accdec/design/differing_servos.hpp>
 #include <accdec/design/quantise.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/size.hpp>
@@ -77,10 +78,10 @@ void require_designable(const Task& task, const DesignOptions& options) {
   if (task.design.coefficient_bits > 0) require_no_shared_loads(task.machine, "a design of whole coefficients");
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return;
-  if (!response.common())
+  if (!response.common() && task.settings && task.settings->names_family())
     throw std::invalid_argument(
-        "a design needs one response of all axes without negative taps (servo_gain_1_s, velocity_feedforward, "
-        "response_taps); `accdec evaluate` judges a given filter with any");
+        "settings need one response of all axes without negative taps (servo_gain_1_s, velocity_feedforward, "
+        "response_taps); `accdec evaluate` judges a given filter with any, and free taps are designed for any");
   if (options.method == Method::nlp && !task.filter)
     throw std::invalid_argument(
         "nonlinear solvers do not consider a response (servo_gain_1_s, response_taps, prefilter_taps); leave out "
@@ -104,6 +105,7 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
   }
   require_designable(task, options);
   if (task.settings && task.settings->names_family()) return design_settings(task, options);
+  if (!Response(task.machine, task.sample_period).common()) return design_differing(task, options);
   if (task.filter) return design_delays(task, options);
   if (task.design.coefficient_bits > 0) return design_quantised(task, options);
   const auto began = std::chrono::steady_clock::now();

@@ -26,6 +26,17 @@ bool own(const solvers::Result& result, const std::vector<double>& start) {
   return held(result) && (claimed || result.x != start);
 }
 
+/// When the path is as far from leg 1 as from leg 2, see FormulationOptions::contour_times.
+double contour_time(const Filter& filter, const Corner& corner, int delay) {
+  const auto ahead = [&](int k) {
+    return corner.feed_in * filter.remaining_moment(k) - corner.feed_out * filter.elapsed_moment(k - delay);
+  };
+  int k = 0;
+  while (k < filter.order() + delay && ahead(k + 1) > 0.0) ++k;
+  const double before = ahead(k), after = ahead(k + 1);
+  return before > after ? k + std::clamp(before / (before - after), 0.0, 1.0) : k;
+}
+
 /// The start: the trapezoid of this order, with a third of it for each ramp.
 Filter guess(int order) {
   return order < 2 ? boxcar(order) : trapezoid(order, order / 3);
@@ -195,18 +206,30 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
   return best;
 }
 
+std::vector<double> FixedOrderDesigner::contour_times(const Filter& filter, const std::vector<int>& delays) const {
+  std::vector<double> times;
+  for (std::size_t j = 0; j < delays.size(); ++j)
+    times.push_back(contour_time(filter, task_.corners[j].geometry(), delays[j]));
+  return times;
+}
+
 std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::vector<int>& delays, const Filter& start,
                                                          std::vector<int> samples) {
   Filter from = start;
   std::optional<Filter> found;
   for (int pass = 0; pass < 6 && !stopped(); ++pass) {
-    const MarginProblem problem(task_, formulation(order, delays), samples);
+    FormulationOptions options = formulation(order, delays);
+    options.contour_times = contour_times(from, delays);
+    const MarginProblem problem(task_, options, samples);
     const std::vector<double> point = problem.start_from(from);
     const solvers::Result result = solve(problem, point);
     if (!own(result, point)) return std::nullopt;
     from = filter_from(result.x, order);
     found = from;
     bool again = refine_bands(from);
+    const std::vector<double> times = contour_times(from, delays);
+    for (std::size_t j = 0; j < times.size(); ++j)
+      again = again || (task_.corners[j].contour_max && std::abs(times[j] - options.contour_times[j]) > 0.1);
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
       const int nearest =
           measure(Blend(from, task_.corners[j].geometry(), delays[j], task_.sample_period)).corner_error_sample;

@@ -78,6 +78,7 @@ class FixedOrderDesigner {
   FormulationOptions formulation(int order, std::vector<int> blend_delays);
   LimitUse worst_start_or_stop(const Filter& filter, const Mode& mode) const;
   bool refine_bands(const Filter& filter);
+  std::vector<double> contour_times(const Filter& filter, const std::vector<int>& delays) const;
   std::optional<Relaxed> relax(int order);
 
   const Task& task_;

@@ -36,7 +36,7 @@ class Identifier {
         task_(task),
         options_(options),
         command_(logged_command(log)),
-        // Where a ramp begins and ends is hidden in the noise, and by cascades that begin slowly.
+        // The noise, and cascades that begin slowly, hide where a ramp begins and ends.
         order_max_(std::min(task.design.order_max, command_.longest_ramp * 8 / 5 + 10)),
         window_(log, command_, order_max_, task.machine.prefilter_taps) {}
 

@@ -150,7 +150,7 @@ class RowBuilder {
       // Accelerations of equal sign partly cancel and stay below the larger; only opposed legs add up.
       if (overlap && in * out < 0.0) bounded(axis, event, k, LimitKind::acceleration, acc);
       const Affine moving = axis.mass * acc + axis.damping * v;
-      // Where an axis reverses is not known, so its dry friction counts against the limit on either side of it.
+      // The sample at which an axis reverses is not known. So its dry friction counts against the limit on either side.
       const bool reverses = axis.coulomb > 0.0 && in * out < 0.0;
       for (const double sign : {1.0, -1.0}) {
         if (!reverses && sign * in < 0.0) continue;
@@ -204,6 +204,19 @@ class RowBuilder {
     }
   }
 
+  /// The path is near leg 1 before the time, near leg 2 after it.
+  void contour(const TaskCorner& corner, int delay, double time) {
+    if (!corner.contour_max || !(*corner.contour_max > 0.0)) return;  // a bound of zero is an exact stop
+    const int k = static_cast<int>(time);
+    const double scale = period_ * std::sin(std::acos(corner.geometry().cos_interior())) / *corner.contour_max;
+    const auto row = [&](double feed, const Affine& now, const Affine& next) {
+      const Affine gone = scale * feed * ((1.0 - time + k) * now + (time - k) * next);
+      affine("contour of corner " + corner.name, gone, {-nlp::infinity, one_});
+    };
+    row(corner.geometry().feed_out, b_.elapsed_moment(k - delay), b_.elapsed_moment(k + 1 - delay));
+    row(corner.geometry().feed_in, b_.remaining_moment(k), b_.remaining_moment(k + 1));
+  }
+
   void vibration(const Mode& mode, const std::vector<double>& frequencies) {
     if (mode.residual_max >= 1.0 && !mode.of_axis()) return;
     const double fastest = mode.of_axis() ? fastest_leg(task_, mode.axis) : 0.0;
@@ -241,9 +254,7 @@ class RowBuilder {
       imaginary = defined_variable("S at " + name, imaginary);
     }
     const int row = problem_.add_row(name, {-nlp::infinity, one_ * one_});
-    const double scale = 1.0 / (bound * bound);
-    problem_.add_product(row, scale, real, real);
-    problem_.add_product(row, scale, imaginary, imaginary);
+    for (const Affine& part : {real, imaginary}) problem_.add_product(row, 1.0 / (bound * bound), part, part);
   }
 
   void symmetry() {
@@ -349,6 +360,8 @@ void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
     rows.blend(a, task.corners[corner], options.blend_delays[corner]);
   rows.supply(task.corners[corner], options.blend_delays[corner]);
   rows.speed(task.corners[corner], options.blend_delays[corner]);
+  if (!options.contour_times.empty())
+    rows.contour(task.corners[corner], options.blend_delays[corner], options.contour_times[corner]);
 }
 
 void add_common_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,

@@ -13,6 +13,9 @@ struct FormulationOptions {
   std::vector<int> blend_delays;  ///< per corner: the integer delay at which limits on the blend are imposed, >= 0
   /// Per mode: the frequencies (Hz) at which its bound is imposed. A band needs a grid, which the caller refines.
   std::vector<std::vector<double>> mode_frequencies;
+  /// Per corner: when the path leaves leg 1's strip for leg 2's, in samples, not always whole. For that time a contour
+  /// bound is linear. Empty: contour bounds are left out.
+  std::vector<double> contour_times;
   double margin = 1e-7;  ///< relative distance kept from every limit, so that a solver's tolerance does not break it
   bool reduced =
       false;  ///< no equality rows: positions and responses are substituted into their bounds (dense rows, no Hessian)

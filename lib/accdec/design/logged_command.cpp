@@ -156,7 +156,7 @@ class Finder {
         to));
   }
 
-  /// Where the extended legs come nearest to each other.
+  /// The point where the extended legs come nearest to each other.
   Eigen::VectorXd meeting(const Steady& in, const Steady& out) const {
     const Eigen::VectorXd u = in.speed.normalized(), w = out.speed.normalized(), gap = out.from - in.from;
     const double c = u.dot(w), d = 1.0 - c * c;

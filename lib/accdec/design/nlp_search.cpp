@@ -198,7 +198,8 @@ class Search {
   bool lengthen(std::vector<int>& delays, int order) const {
     std::optional<std::size_t> worst;
     for (std::size_t j = 0; j < delays.size(); ++j) {
-      if (task_.corners[j].delay || !task_.corners[j].error_max || delays[j] >= order + settling) continue;
+      const TaskCorner& corner = task_.corners[j];
+      if (corner.delay || !(corner.error_max || corner.contour_max) || delays[j] >= order + settling) continue;
       if (!worst || last_error_use_[j] > last_error_use_[*worst]) worst = j;
     }
     if (!worst) return false;
@@ -212,10 +213,13 @@ class Search {
     if (!filter) return false;
     for (std::size_t j = 0; j < delays.size(); ++j) {
       const TaskCorner& corner = task_.corners[j];
-      if (!corner.error_max) continue;
-      last_error_use_[j] = utilisation_of(
-          LimitKind::corner_error, corner_error(Blend(*filter, corner.geometry(), delays[j], task_.sample_period)),
-          *corner.error_max);
+      const Blend blend(*filter, corner.geometry(), delays[j], task_.sample_period);
+      if (corner.error_max)
+        last_error_use_[j] = utilisation_of(LimitKind::corner_error, corner_error(blend), *corner.error_max);
+      if (corner.contour_max)
+        last_error_use_[j] =
+            std::max(last_error_use_[j],
+                     utilisation_of(LimitKind::contour, measure(blend).contour_deviation, *corner.contour_max));
     }
     DesignResult result = assess(task_, *filter, delays, false);
     if (result.status != Status::feasible) {

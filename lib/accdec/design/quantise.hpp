@@ -21,7 +21,7 @@ Filter filter_of_coefficients(const Coefficients& coefficients);
 std::optional<Coefficients> exact_coefficients(const Filter& filter, int bits);
 
 /// Rounds the taps so that all limits hold at the same delays: by the largest remainders, and by rounding the
-/// cumulative response. Where that breaks a limit, single units are exchanged between taps as long as this lowers the
+/// cumulative response. If that breaks a limit, single units are exchanged between taps as long as this lowers the
 /// sum of the violations.
 /// @param delays  one per corner, samples
 /// @param stop    polled between filters; may be empty

@@ -12,8 +12,17 @@ namespace {
 
 Vector point_at(const Toolpath& path, std::size_t i) {
   Vector point(path.begin[0], path.begin[1], path.begin[2]);
-  for (std::size_t a = 0; a < path.axes.size(); ++a) point[static_cast<Eigen::Index>(path.axes[a])] = path.point(i)[a];
+  for (std::size_t a = 0; a < path.axes.size() && path.axes[a] < 3; ++a)
+    point[static_cast<Eigen::Index>(path.axes[a])] = path.point(i)[a];
   return point;
+}
+
+OtherAxes others_way(const Toolpath& path, std::size_t from, std::size_t to) {
+  OtherAxes way{};
+  for (std::size_t a = 0; a < path.axes.size(); ++a) {
+    if (path.axes[a] > 2) way[path.axes[a] - 3] = path.point(to)[a] - path.point(from)[a];
+  }
+  return way;
 }
 
 /// Whether words hold an M code, comments left out.
@@ -35,7 +44,11 @@ ControlMove line_of(const Toolpath& path, std::size_t b) {
   move.from = point_at(path, b);
   move.to = point_at(path, b + 1);
   move.length = (move.to - move.from).norm();
-  move.first = move.last = (move.to - move.from) / move.length;
+  move.first = move.last = move.length > 0.0 ? Vector((move.to - move.from) / move.length) : Vector::UnitX();
+  move.others = others_way(path, b, b + 1);
+  const auto& [turn_a, turn_b, turn_c, u, v, w] = move.others;
+  if (move.length == 0.0) move.length = std::hypot(u, v, w);
+  if (move.length == 0.0) move.length = std::hypot(turn_a, turn_b, turn_c);
   move.feed = move.length / path.duration[b];
   move.rapid = path.rapid[b] != 0;
   return move;
@@ -55,6 +68,7 @@ ControlMove arc_of(const Toolpath& path, const PathArc& from) {
   move.arc = true;
   move.from = point_at(path, from.first);
   move.to = point_at(path, from.last + 1);
+  move.others = others_way(path, from.first, from.last + 1);
   move.x = static_cast<Eigen::Index>(path.axes[from.x]);
   move.y = static_cast<Eigen::Index>(path.axes[from.y]);
   move.center[move.x] = from.center_x;
@@ -90,7 +104,7 @@ Vector arc_point(const ControlMove& arc, double part) {
 
 std::vector<ControlMove> control_moves(const Toolpath& path, std::string_view control) {
   for (const std::size_t axis : path.axes) {
-    if (axis > 2)
+    if (axis > 2 && control != "linuxcnc-2.9")
       throw std::invalid_argument(
           fmt::format("the estimate for {} knows moves of X, Y and Z only; the program also moves {}", control,
                       program_axes[axis]));
@@ -121,12 +135,15 @@ std::vector<ControlMove> control_moves(const Toolpath& path, std::string_view co
 
 ControlLimits control_limits(const Toolpath& path, const Machine& machine, std::string_view control) {
   ControlLimits limits{Vector::Constant(unlimited), Vector::Constant(unlimited)};
-  for (std::size_t a = 0; a < 3; ++a) {
+  limits.other_velocity.fill(unlimited);
+  limits.other_acceleration.fill(unlimited);
+  for (std::size_t a = 0; a < program_axis_count; ++a) {
     const Axis* axis = find_axis(machine, a);
     const bool moves = std::find(path.axes.begin(), path.axes.end(), a) != path.axes.end();
     if (axis != nullptr) {
-      limits.velocity[static_cast<Eigen::Index>(a)] = axis->velocity_max;
-      limits.acceleration[static_cast<Eigen::Index>(a)] = axis->acceleration_max;
+      const auto i = static_cast<Eigen::Index>(a);
+      (a < 3 ? limits.velocity[i] : limits.other_velocity[a - 3]) = axis->velocity_max;
+      (a < 3 ? limits.acceleration[i] : limits.other_acceleration[a - 3]) = axis->acceleration_max;
     }
     if (moves && !(axis != nullptr && axis->acceleration_max < unlimited))
       throw std::invalid_argument(fmt::format("the estimate for {} needs acceleration_max_mm_s2 of axis {} in the task",
@@ -140,6 +157,18 @@ double along(const Vector& direction, const Vector& limits) {
   for (Eigen::Index a = 0; a < 3; ++a) {
     const double part = std::abs(direction[a]);
     if (part > 0.0) most = std::min(most, limits[a] / part);
+  }
+  return most;
+}
+
+bool moves_others(const ControlMove& move) {
+  return std::any_of(move.others.begin(), move.others.end(), [](double way) { return way != 0.0; });
+}
+
+double along_others(const ControlMove& move, const OtherAxes& limits) {
+  double most = unlimited;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    if (move.others[i] != 0.0) most = std::min(most, limits[i] * move.length / std::abs(move.others[i]));
   }
   return most;
 }

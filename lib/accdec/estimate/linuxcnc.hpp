@@ -21,6 +21,7 @@ struct Piece {
   Vector first, last;                  ///< unit directions at both ends
   double length = 0.0, nominal = 0.0;  ///< m; before blends took their parts
   bool arc = false, blend = false, rapid = false;
+  bool others = false;                    ///< another axis than X Y Z moves: it is blended by parabolas only
   Vector center = Vector::Zero();         ///< m, from the arc's start
   Vector axis = Vector::Zero();           ///< unit, across an arc's plane
   Vector center_at_end = Vector::Zero();  ///< m, from the arc's end
@@ -50,7 +51,7 @@ struct TangentArc {
   double length = 0.0;                           ///< m
   double taken_before = 0.0, taken_after = 0.0;  ///< m, of the pieces
 };
-/// Where a piece is an arc, the sides of both decide which of several arcs of this radius it is. None where it leaves
+/// If a piece is an arc, the sides of both decide which of several arcs of this radius it is. None where it leaves
 /// the tolerance, the plane of the pieces or the parts of them that it may take.
 /// @param radius     m  @param tolerance  m
 /// @param part_before, part_after  rad, of arcs

@@ -187,7 +187,9 @@ void add_piece(std::vector<Piece>& queue, Piece piece, const ControlLimits& limi
   Piece& before = queue.back();
   if (before.rapid != piece.rapid) before.end = PieceEnd::stop;
   std::optional<ArcBlend> blend;
-  if (!pass_kink(before, piece, limits, settings) && before.end == PieceEnd::parabolic) {
+  if (before.others || piece.others) {
+    piece.blended = before.end == PieceEnd::parabolic;
+  } else if (!pass_kink(before, piece, limits, settings) && before.end == PieceEnd::parabolic) {
     blend = arc_blend(before, piece, limits, settings);
     // Parabolas leave both pieces half of their acceleration, which counts as half of their speed.
     Piece half1 = before, half2 = piece;

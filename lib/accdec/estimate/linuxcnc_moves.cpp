@@ -21,7 +21,8 @@ class Chain {
   Chain(std::vector<Piece>& pieces, const ControlLimits& limits) : pieces_(pieces), limits_(limits) {}
 
   void add(const Vector& from, const Vector& to, const ControlMove& move) {
-    if (!points_.empty() && !(same_modes(move) && in_line(to))) flush();
+    const bool alone = moves_others(move) || moves_others(move_);
+    if (!points_.empty() && (alone || !(same_modes(move) && in_line(to)))) flush();
     if (points_.empty()) {
       start_ = from;
       move_ = move;
@@ -32,14 +33,20 @@ class Chain {
     if (points_.empty()) return;
     const Vector way = points_.back() - start_;
     points_.clear();
-    if (!(way.norm() > 0.0)) return;
+    const double straight = way.norm();
+    if (!(straight > 0.0) && !moves_others(move_)) return;
     Piece& piece = pieces_.emplace_back();
-    piece.length = piece.nominal = way.norm();
-    piece.first = piece.last = way / piece.length;
+    piece.length = piece.nominal = straight > 0.0 ? straight : move_.length;
+    piece.first = piece.last = straight > 0.0 ? Vector(way / straight) : move_.first;
     piece.rapid = move_.rapid;
+    piece.others = moves_others(move_);
     set_modes(piece, move_);
-    piece.speed = along(piece.first, limits_.velocity);
-    piece.acceleration = along(piece.first, limits_.acceleration);
+    piece.speed = along_others(move_, limits_.other_velocity);
+    piece.acceleration = along_others(move_, limits_.other_acceleration);
+    if (straight > 0.0) {
+      piece.speed = std::min(piece.speed, along(piece.first, limits_.velocity));
+      piece.acceleration = std::min(piece.acceleration, along(piece.first, limits_.acceleration));
+    }
     piece.request = move_.rapid ? piece.speed : std::min(move_.feed, piece.speed);
   }
 
@@ -91,8 +98,9 @@ Piece arc_piece(const ControlMove& arc, const ControlLimits& limits) {
     time = std::max(time, straight / along(chord / straight, limits.velocity));
     time2 = std::max(time2, straight / along(chord / straight, limits.acceleration));
   }
-  piece.speed = arc.length / time;
-  piece.acceleration = arc.length / time2;
+  piece.speed = std::min(arc.length / time, along_others(arc, limits.other_velocity));
+  piece.acceleration = std::min(arc.length / time2, along_others(arc, limits.other_acceleration));
+  piece.others = moves_others(arc);
   piece.request = std::min(arc.feed, piece.speed);
   // A helix bends less than its circle.
   piece.radius = arc.radius + rise.squaredNorm() / (piece.turn * piece.turn * arc.radius);
@@ -101,7 +109,7 @@ Piece arc_piece(const ControlMove& arc, const ControlLimits& limits) {
 
 /// An arc that leaves the lines through its middle by less than Q becomes two lines.
 bool flat(const ControlMove& arc) {
-  return arc.arc && arc.x + arc.y == 1 && arc.control == PathControl::blend &&
+  return arc.arc && !moves_others(arc) && arc.x + arc.y == 1 && arc.control == PathControl::blend &&
          arc.radius * (1.0 - std::cos(0.5 * arc.angle)) < arc.merge;
 }
 

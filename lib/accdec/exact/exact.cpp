@@ -26,18 +26,19 @@ void ExactRun::explain(DesignResult& result) const {
                            "there is such a design is open";
   } else if (!bench_.designs.best) {
     result.message =
-        stop      ? "stopped before a design was found"
-        : convex_ ? "no design was found, but none could be excluded either: some limit can be held only to within "
-                    "rounding; a design may be found with that limit a little wider"
-                  : "no design was found that holds power, regeneration and the smallest speeds as well, but it is "
-                    "not proved that there is none";
+        stop ? "stopped before a design was found"
+        : kind_.convex
+            ? "no design was found, but none could be excluded either: some limit can be held only to within "
+              "rounding; a design may be found with that limit a little wider"
+            : "no design was found that holds power, regeneration and the smallest speeds as well, but it is "
+              "not proved that there is none";
   }
 }
 
 DesignResult ExactRun::conclude() {
   DesignResult result;
   result.task = task_;
-  if (infeasible_) {
+  if (done_.infeasible) {
     result.status = Status::infeasible;
     const exact::Conflict conflict = exact::find_conflict(task_, [this] { return stopped(); });
     result.message = exact::to_message(conflict, task_);
@@ -53,7 +54,7 @@ DesignResult ExactRun::conclude() {
     result.status = Status::failed;
     result.lower_bound = targets_.low() * task_.sample_period;
   }
-  if (!infeasible_) explain(result);
+  if (!done_.infeasible) explain(result);
   result.solver.method = "exact";
   result.solver.name = "dual simplex", result.solver.version = "accdec";
   if (options_.certificate && search_.proof.target > 0.0)

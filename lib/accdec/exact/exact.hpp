@@ -9,7 +9,7 @@
 
 namespace accdec {
 
-/// Where the search stands, in s of cycle time.
+/// The state of the search, in s of cycle time.
 struct ExactProgress {
   double bound = 0.0;      ///< nothing is shorter
   double incumbent = 0.0;  ///< best verified design; infinite before the first

@@ -50,11 +50,11 @@ std::optional<DesignResult> refusal(const Task& task, bool certificate) {
 
 ExactRun::ExactRun(const Task& task)
     : task_(task),
-      convex_(is_convex(task)),
-      several_(task.corners.size() > 1),
       // The joint proof does not cover symmetric filters.
-      jointly_(several_ && !task.design.symmetric),
-      minimises_(convex_ && !several_ && !task.design.symmetric),
+      kind_{.convex = is_convex(task),
+            .several = task.corners.size() > 1,
+            .jointly = task.corners.size() > 1 && !task.design.symmetric,
+            .minimises = is_convex(task) && task.corners.size() <= 1 && !task.design.symmetric},
       targets_(task),
       bench_(task, [this] { return stopped(); }) {}
 
@@ -64,9 +64,9 @@ bool ExactRun::stopped() const {
 
 void ExactRun::first_designs() {
   least_ = first_.smallest_order();
-  if (!convex_ || several_) first_.offer_shapes(std::max(least_, 2));
-  if (minimises_) first_.dive();
-  if (several_ && !jointly_) {
+  if (!kind_.convex || kind_.several) first_.offer_shapes(std::max(least_, 2));
+  if (kind_.minimises) first_.dive();
+  if (kind_.several && !kind_.jointly) {
     sweep_orders();
     search_.improve();
   }
@@ -78,7 +78,7 @@ void ExactRun::first_designs() {
 void ExactRun::sweep_orders() {
   const Deadline enough(until_.left() / 10.0);
   first_.sweep_orders(least_, [&] { return enough.over(); });
-  swept_ = true;
+  done_.swept = true;
 }
 
 DesignResult ExactRun::go_on(const ExactOptions& options) {
@@ -90,13 +90,13 @@ DesignResult ExactRun::go_on(const ExactOptions& options) {
     if (options_.start) bench_.designs.offer(*options_.start);
     if (least_ < 0) first_designs();
     if (bench_.designs.best) targets_.found(bench_.designs.best->value);
-    if (jointly_ && bench_.designs.best) {
+    if (kind_.jointly && bench_.designs.best) {
       together();
     } else {
-      if (!several_) at_once();
+      if (!kind_.several) at_once();
       by_targets();
     }
-    if (!infeasible_ && convex_ && !bench_.designs.best) first_.offer_shapes(std::max(least_, 2));
+    if (!done_.infeasible && kind_.convex && !bench_.designs.best) first_.offer_shapes(std::max(least_, 2));
     result = conclude();
     result->solver.evaluations = bench_.linear_programs() + (joint_ ? joint_->linear_programs() : 0);
   }
@@ -108,16 +108,16 @@ DesignResult ExactRun::go_on(const ExactOptions& options) {
 /// One corner. First bounds by orders; then, if the proof is short, the best design at once. A long proof raises its
 /// bound target by target.
 void ExactRun::at_once() {
-  if (tried_at_once_ || proved_) return;
-  tried_at_once_ = true;
+  if (done_.tried_at_once || done_.proved) return;
+  done_.tried_at_once = true;
   const double first = targets_.first();
   if (first > targets_.low() && first <= targets_.high() && first < unlimited) take(search_.below(first), first);
   if (!bench_.designs.best || options_.gap > 0.0) return;
   const long budget = bench_.linear_programs() + shortly(least_);
-  if (!minimises_) targets_.climb();
-  for (Answer answer = Answer::found; answer == Answer::found && !stopped() && !proved_;) {
+  if (!kind_.minimises) targets_.climb();
+  for (Answer answer = Answer::found; answer == Answer::found && !stopped() && !done_.proved;) {
     answer = search_.minimise(targets_.high(), budget - bench_.linear_programs());
-    if (!minimises_ && answer != Answer::proved) break;  // nothing is known of parts that the chords do not refute
+    if (!kind_.minimises && answer != Answer::proved) break;  // nothing is known of parts that the chords do not refute
     take(answer, answer == Answer::proved ? search_.proof.target : targets_.high());
   }
 }
@@ -128,9 +128,9 @@ void ExactRun::take(Answer answer, double target) {
   if (bench_.designs.best) targets_.found(bench_.designs.best->value);
   if (answer == Answer::proved) {
     targets_.proved(target);
-    infeasible_ = target == unlimited;
+    done_.infeasible = target == unlimited;
   }
-  proved_ = infeasible_ || (targets_.low() >= targets_.high() && search_.proof.target >= targets_.high());
+  done_.proved = done_.infeasible || (targets_.low() >= targets_.high() && search_.proof.target >= targets_.high());
   tell();
 }
 
@@ -141,7 +141,7 @@ void ExactRun::together() {
   using State = exact::Joint::State;
   const double at_least = targets_.low();
   for (State state = State::going_on; state == State::going_on;) {
-    if (!swept_ && joint_->has_first_bound()) sweep_orders();
+    if (!done_.swept && joint_->has_first_bound()) sweep_orders();
     state = joint_->step();
     const double before = targets_.low(), found = targets_.high();
     targets_.proved(joint_->bound());
@@ -152,16 +152,16 @@ void ExactRun::together() {
   // The reported bound is the one the certificate proves.
   targets_.set_low(at_least);
   if (auto proof = joint_->proof()) search_.proof = std::move(*proof), targets_.proved(search_.proof.target);
-  proved_ = targets_.low() >= targets_.high();
+  done_.proved = targets_.low() >= targets_.high();
 }
 
 void ExactRun::by_targets() {
-  while (!stopped() && !proved_ && !close_enough()) {
+  while (!stopped() && !done_.proved && !close_enough()) {
     const std::optional<double> target = targets_.next(options_.gap);
     if (!target) return;
     const Answer answer = search_.below(*target);
     if (answer == Answer::unknown) return;
-    if (several_ && answer == Answer::found) search_.improve();
+    if (kind_.several && answer == Answer::found) search_.improve();
     take(answer, *target);
     if (!targets_.has_open() && answer == Answer::open) return;
   }

@@ -40,15 +40,16 @@ class ExactRun {
   Deadline until_;
   double wall_time_ = 0.0;  ///< s, of earlier calls
   /// minimises: one tree of linear programs finds the shortest design.
-  const bool convex_, several_, jointly_, minimises_;
+  const struct { bool convex, several, jointly, minimises; } kind_;
   exact::Targets targets_;
   exact::Workbench bench_;
   exact::FirstDesigns first_{bench_};
   exact::Search search_{bench_};
   std::unique_ptr<exact::Joint> joint_;
   int least_ = -1;  ///< smallest order that may do; -1: not known yet
-  bool swept_ = false, tried_at_once_ = false;
-  bool proved_ = false, infeasible_ = false;
+  struct {
+    bool swept = false, tried_at_once = false, proved = false, infeasible = false;
+  } done_;
 };
 
 }  // namespace accdec

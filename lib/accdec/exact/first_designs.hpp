@@ -6,7 +6,7 @@
 
 namespace accdec::exact {
 
-/// Finds designs before a proof: those longer than a known one need not be refuted. Where ranges are wide, the proof's
+/// Finds designs before a proof: those longer than a known one need not be refuted. If ranges are wide, the proof's
 /// own linear programs are too loose to find good designs.
 class FirstDesigns {
  public:

@@ -20,9 +20,8 @@ LinearProgram::LinearProgram(const LimitModel& model, int order, const std::func
       slack_(margin != 0.0 ? -margin : slack),
       drafts_(model, order, slack_, kind == BoxKind::window),
       stop_(stop),
-      window_(kind == BoxKind::window),
-      ranges_(kind == BoxKind::budget && model.corners() > 1),
-      lp_(order + 2 + (ranges_ ? 2 * static_cast<int>(model.corners()) : 0)) {
+      kind_{.window = kind == BoxKind::window, .ranges = kind == BoxKind::budget && model.corners() > 1},
+      lp_(order + 2 + (kind_.ranges ? 2 * static_cast<int>(model.corners()) : 0)) {
   lp_.set_stop(stop);
   for (int i = 0; i <= order; ++i) lp_.set_column_bounds(i, 0.0, tap_bound(i));
   lp_.set_cost(drafts_.excess(), 1.0);
@@ -36,11 +35,11 @@ LinearProgram::LinearProgram(const LimitModel& model, int order, const std::func
 
 /// The end columns of a window stand for many taps.
 double LinearProgram::tap_bound(int column) const {
-  return window_ && (column == 0 || column == largest_) ? 1.0 : model_.rows.tap_max() * (1.0 + slack_);
+  return kind_.window && (column == 0 || column == largest_) ? 1.0 : model_.rows.tap_max() * (1.0 + slack_);
 }
 
 const LpSolution& LinearProgram::solve() {
-  if (clp_alone_) return solution_ = solve_by_clp(lp_.given(), stop_);
+  if (kind_.clp_alone) return solution_ = solve_by_clp(lp_.given(), stop_);
   solution_.status = lp_.solve();
   if (solution_.status == DualSimplex::Status::trouble) return solution_ = solve_by_clp(lp_.given(), stop_);
   solution_.objective = lp_.objective();
@@ -94,22 +93,22 @@ void LinearProgram::add_base_rows() {
   Box all;
   all.order = largest_;
   all.corners.resize(model_.corners());
-  all.window = window_;
+  all.window = kind_.window;
   // Rows of differences are in units of a tap, others in units of their bound, so that entries are of the order of 1.
   for (const RampLimit& ramp : model_.rows.ramps()) {
     const double reach = std::ldexp(1.0, ramp.differences - 1);  // of any taps from 0 to 1
     for (int i = 0; ramp.max < reach && i <= largest_ + ramp.differences; ++i) {
       const proof::TapDifference id{i, 1, ramp.kind};
-      if (window_ && !inside_window(id, all)) continue;
+      if (kind_.window && !inside_window(id, all)) continue;
       add(drafts_.limit(model_.rows.row(id, all), ramp.max, true), id);
     }
   }
   for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
-    if (window_ && !inside_window(id, all)) continue;
+    if (kind_.window && !inside_window(id, all)) continue;
     add(drafts_.limit(model_.row(id, all), 1.0, false), id);
   }
   tube_rows_ = lp_.rows();
-  if (model_.convex() || window_) return;
+  if (model_.convex() || kind_.window) return;
   for (int k = 1; k <= largest_ + 1; ++k) add(drafts_.response(k), proof::Response{k, 1});
 }
 
@@ -176,13 +175,13 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
   }
   lp_.set_column_bounds(drafts_.excess(), -least_, DualSimplex::infinity);
   for (int i = 0; i <= largest_; ++i) lp_.set_column_bounds(i, 0.0, i <= box.order ? tap_bound(i) : 0.0);
-  for (int k = 1; k <= largest_ + 1 && !model_.convex() && !window_; ++k) {
+  for (int k = 1; k <= largest_ + 1 && !model_.convex() && !kind_.window; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const bool bounded = i < box.tube.low.size();
     lp_.set_row_bounds(tube_rows_ + k - 1, bounded ? box.tube.low[i] - slack : 0.0,
                        bounded ? box.tube.high[i] + slack : 1.0 + slack);
   }
-  if (ranges_) prepare_ranges(box);
+  if (kind_.ranges) prepare_ranges(box);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (model_.cone(j) && has_cone[j] == 0 && !RowDrafts::shared(j, box) && box.bounds_error(j))
       add_cone(j, box.only_angle.value_or(0.5 * model_.theta(j)), box);

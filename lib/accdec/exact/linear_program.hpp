@@ -32,7 +32,7 @@ class LinearProgram {
   /// Forgets basis and cuts, as rounding adds up from one warm start to the next.
   void start_cold();
   /// From now on solves by Clp alone, or by the dense dual simplex first.
-  void use_clp_alone(bool alone) { clp_alone_ = alone; }
+  void use_clp_alone(bool alone) { kind_.clp_alone = alone; }
   /// Call after `prepare`. The cones get no margin, and tangents are added that the excess may break.
   void soften(const std::vector<Chord>& close, const Filter& at, const Box& box);
   /// The same, but nothing may break the tangents.
@@ -44,7 +44,7 @@ class LinearProgram {
   /// Taps of the current solution.
   Filter filter(const Box& box, bool symmetric) const;
   /// Whether delays and samples are columns, as boxes with a budget need them.
-  bool has_ranges() const { return ranges_; }
+  bool has_ranges() const { return kind_.ranges; }
   /// d - d1 and k - k1 of corner j in the current solution, in the same units.
   double delay(std::size_t j) const { return solution_.point[static_cast<std::size_t>(drafts_.delay_column(j))]; }
   double sample(std::size_t j) const { return solution_.point[static_cast<std::size_t>(drafts_.sample_column(j))]; }
@@ -74,8 +74,10 @@ class LinearProgram {
   RowDrafts drafts_;
   double least_ = 0.0;  // the cones' margin is at most this
   std::function<bool()> stop_;
-  bool window_ = false, clp_alone_ = false;
-  bool ranges_ = false;  // delays and samples are columns
+  struct {
+    bool window = false, ranges = false;  // ranges: delays and samples are columns
+    bool clp_alone = false;
+  } kind_;
   DualSimplex lp_;
   LpSolution solution_;
   RowNames names_;

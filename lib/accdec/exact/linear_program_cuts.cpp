@@ -29,7 +29,7 @@ proof::Vibration at_worst_phase(proof::Vibration id, const LimitModel& model, co
   return id;
 }
 
-/// What starts and stops, and blends of single delays, leave a mode of an axis with, where that is too much.
+/// Adds the residuals of a mode of an axis that are too large, after starts, stops and blends of single delays.
 void add_residuals(const LimitModel& model, std::size_t m, const Filter& filter, const Box& box, double slack,
                    std::vector<proof::Vibration>& broken) {
   const Mode& mode = model.task().machine.modes[m];
@@ -72,8 +72,8 @@ std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter
 bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
   for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken()))
-    added |= (!window_ || inside_window(id, box)) && add_limit(id, box);
-  if (!window_) {
+    added |= (!kind_.window || inside_window(id, box)) && add_limit(id, box);
+  if (!kind_.window) {
     for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
   }
   return cut_vibration(filter, box) || added;
@@ -130,7 +130,7 @@ bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   bool added = false;
   for (proof::Vibration id : broken_modes(model_, filter, box, broken())) {
     const double bound = model_.rows.vibration_bound(id, box);
-    if (bound == infinity || (window_ && !inside_window(id, box)) || !add_vibration(id, box)) continue;
+    if (bound == infinity || (kind_.window && !inside_window(id, box)) || !add_vibration(id, box)) continue;
     added = true;
     // A zero response needs both components held.
     if (bound >= 1e-6) continue;

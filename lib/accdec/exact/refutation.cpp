@@ -118,8 +118,9 @@ class WeightedSum {
     return counts(y, y * bound);
   }
 
-  bool add(const proof::TapDifference& id, double y) { return add(model_.rows.row(id, exact_box_), y); }
-  bool add(const proof::EventForce& id, double y) { return add(model_.rows.row(id, exact_box_), y); }
+  template <class Limit>
+  requires std::is_same_v<Limit, proof::TapDifference> || std::is_same_v<Limit, proof::EventForce>
+  bool add(const Limit& id, double y) { return add(model_.rows.row(id, exact_box_), y); }
   bool add(const proof::Blend& id, double y) {
     const CornerBox& c = box_.corner(id.corner);
     return c.d1 == c.d2 && add(model_.rows.row(id, exact_box_), y);
@@ -128,9 +129,11 @@ class WeightedSum {
     if (id.sample > exact_box_.order) return true;
     return has_tube() && add(model_.row(id, exact_box_), y);
   }
-  bool add(const proof::EventPower& id, double y) { return add(*chord_of(id), y); }
-  bool add(const proof::BlendPower& id, double y) { return add(*chord_of(id), y); }
-  bool add(const proof::Speed& id, double y) { return add(*chord_of(id), y); }
+  /// Power and smallest speed.
+  template <class NotConvex>
+  bool add(const NotConvex& id, double y) {
+    return add(*chord_of(id), y);
+  }
 
   bool add(const Chord& chord, double y) {
     if (!model_.chords.single_delay(chord.family, box_)) return false;

@@ -5,7 +5,7 @@
 #include <accdec/exact/search.hpp>
 #include <accdec/task/objective.hpp>
 
-// What one proof passes on to the proof of the next target.
+// One proof passes its tree on to the proof of the next target.
 
 namespace accdec::exact {
 namespace {

@@ -7,7 +7,7 @@
 
 namespace accdec::exact {
 
-/// Where to split for the limit that is broken most. The split is at the filter's own response, where both parts'
+/// Finds where to split for the limit that is broken most. The split is at the filter's own response, where both parts'
 /// chords meet the limit, but not too close to an end. None if no limit outside the convex class is broken. Sample 0:
 /// one is broken, but nothing is left to split.
 /// @param among  if given: only limits of the blend at these corners count, and only where their delay is single

@@ -11,7 +11,7 @@
 
 namespace accdec::exact {
 
-/// What became of a box.
+/// The outcome for a box.
 enum class BoxState {
   closed,   ///< refuted
   found,    ///< it holds what was looked for
@@ -19,7 +19,7 @@ enum class BoxState {
   open      ///< rounding decides
 };
 
-/// What all steps of a search work with: the linear programs, the designs found, the target they are to be below, and
+/// All steps of a search work with this: the linear programs, the designs found, the target they must be below, and
 /// the proof that there are none. Keeps the reference to the task.
 class Workbench {
  public:

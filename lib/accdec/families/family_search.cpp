@@ -106,7 +106,7 @@ void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec&
   if (refusals_.starts(taps, sum)) offer(spec);
 }
 
-/// What needs no taps: the lengths, a few samples, the errors.
+/// Refusals that need no taps: by the lengths, a few samples, the errors.
 bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec& spec) {
   if (refusals_.refuses(lengths, spec)) return true;
   if (spec.full_order() > Cascade::order_max) return false;

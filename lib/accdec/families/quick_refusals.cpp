@@ -135,7 +135,7 @@ bool QuickRefusals::refuses(const Filter& filter, const std::function<bool()>& l
   if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return true;
   for (const LimitUse& use : vibration_utilisation(filter, on_taps_.sample_period, on_taps_.machine, late)) {
     if (use.utilisation <= slack) continue;
-    // Tones are undamped. Where the vibration dies away, other filters may leave less of it.
+    // Tones are undamped. If the vibration dies away, other filters may leave less of it.
     if (use.damping > 0.0) return true;
     // The next filters that ring there are refused at once, and so are ranges of them.
     const double phase = 2.0 * pi * use.frequency * on_taps_.sample_period;

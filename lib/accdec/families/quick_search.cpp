@@ -46,7 +46,7 @@ MemberOf window(const char* name) {
 
 std::vector<MemberOf> members(bool quiet) {
   std::vector<MemberOf> list;
-  // Where next to nothing may be left only they do, so they come first: time may be short.
+  // Only Kaiser windows do if next to nothing may be left. So they come first: time may be short.
   for (const double beta : {18.0, 14.0, 10.0, 6.0}) {
     if (quiet) list.push_back([beta](int n) { return kaiser(n, beta); });
   }

@@ -22,7 +22,7 @@ const Kind& kind_of(InputKind kind) {
       {"a study", "`accdec study` takes", {"compute", "[[vary]]"}},
       {"a suite", "`accdec compare` takes", {"[[problem]]", "[[hypercube]]"}},
       {"a result", "`accdec verify`, `plot` and `export` take", {}},
-      {"a program", "`accdec program` takes", {}},
+      {"a program", "`accdec program` and `accdec explore` take with --task TASK.toml", {}},
   }};
   return kinds[static_cast<std::size_t>(kind)];
 }

@@ -83,6 +83,7 @@ void limit(decltype(RLIMIT_CPU) what, rlim_t value) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, limits.most_file_bytes);
+  if (limits.most_memory > 0) limit(RLIMIT_AS, limits.most_memory);
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);

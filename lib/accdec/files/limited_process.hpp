@@ -11,6 +11,7 @@ struct ProcessLimits {
   double seconds = 60.0;                        ///< from its start until it and everything it started is killed
   std::size_t most_output = 1'000'000;          ///< bytes of standard output and error together
   std::size_t most_file_bytes = 1'000'000'000;  ///< of every file it writes
+  std::size_t most_memory = 0;                  ///< bytes of addresses of every process; further ones fail; 0: no limit
   bool folder_goes = false;                     ///< its folder is removed if the caller ends before it, or it is killed
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int deepest = 64;
 
-/// Where the string that opens at `at` ends: behind its closing quotes, or at the end of its line or of the text.
+/// The end of the string that opens at `at`: behind its closing quotes, or at the end of its line or of the text.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
   const char quote = text[at];
   const std::string three(3, quote);

@@ -21,13 +21,14 @@ struct Unit {
 
 /// Units of our files, and others that people write into names. A suffix stands before any shorter suffix that it ends
 /// with.
-constexpr std::array<Unit, 37> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
+constexpr std::array<Unit, 38> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_mm_s3", "mm/s^3", "mm/s³", 1e3},
                                       {"_mm_s2", "mm/s^2", "mm/s²", 1e3},
                                       {"_mm_s", "mm/s", "mm/s", 1e3},
                                       {"_um_s2", "um/s^2", "µm/s²", 1e6},
                                       {"_um_s", "um/s", "µm/s", 1e6},
                                       {"_N_s_m", "N s/m", "N s/m"},
+                                      {"_N_m_s", "N m s", "N m s", 1.0 / (radians_per_metre * radians_per_metre)},
                                       {"_m_min", "m/min", "m/min", 60.0},
                                       {"_m_s3", "m/s^3", "m/s³"},
                                       {"_m_s2", "m/s^2", "m/s²"},

@@ -13,7 +13,7 @@
 
 namespace accdec {
 
-/// Where a fact about a controller stands.
+/// The place where a fact about a controller stands.
 struct ControllerSource {
   std::string fact, where;
 };

@@ -115,7 +115,7 @@ std::string gain_text(const Explanation& e) {
   if (!e.gains.empty()) {
     text += fmt::format("\nWith {} more room, the task designed again:\n{}\n{}\n", percent(e.share), gain_table(e),
                         legend({"N", "d"}));
-    // All together is no answer to the question which one. Where one [[axis]] stands for all, "of all axes" is one key.
+    // All together is no answer to the question which one. If one [[axis]] stands for all, "of all axes" is one key.
     const auto best = std::find_if(e.gains.begin(), e.gains.end(), [](const Gain& g) { return !all_limits(g.room); });
     if (best != e.gains.end() && best->gain > 0.0) {
       text += fmt::format("No single limit saves more than {}: {} instead of {} saves {} ms ({:.1f} %).\n",

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <accdec/files/units.hpp>
 #include <accdec/formats/force_speed_table.hpp>
 #include <accdec/machine/limits.hpp>
 
@@ -54,9 +55,21 @@ void read_force_speed(const Table& table, Axis& axis) {
   axis.force_speed_max = curve.front().force;
 }
 
-void read_rating(const Table& table, Axis& axis) {
-  axis.force_rms_max = table.number("force_rms_N").value_or(unlimited);
-  if (axis.force_rms_max < unlimited && axis.mass == 0.0 && axis.damping == 0.0 && axis.coulomb == 0.0)
+void check_friction(const Table& table, const Axis& axis) {
+  if (!(axis.coulomb > 0.0)) return;
+  const std::string_view key = table.has("coulomb_N_m") ? "coulomb_N_m" : "coulomb_N";
+  const auto refuse = [&](std::string_view limit, double least) {
+    const double unit = key == "coulomb_N_m" ? radians_per_metre : 1.0;
+    table.fail_at(key, fmt::format("`{}` = {:g} is not below `{}` = {:g}: the axis could never move", key,
+                                   axis.coulomb / unit, limit, least / unit));
+  };
+  if (axis.coulomb >= axis.force_max)
+    refuse(table.has("force_max_N") ? "force_max_N" : "torque_max_N_m", axis.force_max);
+  if (axis.coulomb >= axis.force_speed_max) refuse(force_speed_key, axis.force_speed_max);
+}
+
+void check_rating(const Table& table, const Axis& axis) {
+  if (table.has("force_rms_N") && axis.mass == 0.0 && axis.damping == 0.0 && axis.coulomb == 0.0)
     table.fail_at("force_rms_N", "`force_rms_N` can never bind: the axis has no mass_kg, damping_N_s_m or coulomb_N");
 }
 

@@ -11,7 +11,9 @@ namespace accdec {
 Key force_speed_of_files();
 /// @throws InputError at the key unless speeds rise, forces fall and the curve is concave
 void read_force_speed(const toml_input::Table& table, Axis& axis);
-/// The key force_rms_N. @throws InputError at it for an axis without any load
-void read_rating(const toml_input::Table& table, Axis& axis);
+/// @throws InputError at force_rms_N of an axis without any load
+void check_rating(const toml_input::Table& table, const Axis& axis);
+/// @throws InputError at the dry friction of an axis whose drive could never move it
+void check_friction(const toml_input::Table& table, const Axis& axis);
 
 }  // namespace accdec

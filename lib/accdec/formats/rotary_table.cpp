@@ -14,7 +14,7 @@ struct RotaryKey {
   std::string_view example;
   double Axis::*value;
 };
-constexpr std::array<RotaryKey, 5> all_keys{
+constexpr std::array<RotaryKey, 8> all_keys{
     {{"velocity_max_mm_s", "velocity_max_deg_s", "axes a, b, c: largest velocity", "deg/s", 1e6, "180",
       &Axis::velocity_max},
      {"acceleration_max_mm_s2", "acceleration_max_deg_s2", "axes a, b, c: largest acceleration", "deg/s^2", 1e8, "2000",
@@ -22,6 +22,10 @@ constexpr std::array<RotaryKey, 5> all_keys{
      {"jerk_max_mm_s3", "jerk_max_deg_s3", "axes a, b, c: largest jerk", "deg/s^3", 1e12, "100000", &Axis::jerk_max},
      {"mass_kg", "inertia_kg_m2", "axes a, b, c: moved moment of inertia, instead of the mass", "kg m^2", 1e6, "0.8",
       &Axis::mass},
+     {"damping_N_s_m", "damping_N_m_s", "axes a, b, c: viscous friction", "N m s", 1e8, "0.3", &Axis::damping},
+     {"coulomb_N", "coulomb_N_m", "axes a, b, c: dry friction", "N m", 1e8, "0.5", &Axis::coulomb},
+     {"force_rms_N", "torque_rms_N_m", "axes a, b, c: rating, as `force_rms_N`", "N m", 1e8, "20",
+      &Axis::force_rms_max},
      {"force_max_N", "torque_max_N_m", "axes a, b, c: largest torque; needs inertia", "N m", 1e8, "40",
       &Axis::force_max}}};
 
@@ -38,7 +42,7 @@ std::vector<Key> rotary_keys() {
                     .meaning = std::string(one.meaning),
                     .unit = std::string(one.unit),
                     .range = {0.0, one.most, true},
-                    .fallback = one.value == &Axis::mass ? "0" : "no limit",
+                    .fallback = Axis{}.*one.value == 0.0 ? "0" : "no limit",
                     .example = std::string(one.example)});
   return keys;
 }
@@ -46,6 +50,16 @@ std::vector<Key> rotary_keys() {
 std::string_view rotary_key(std::string_view key) {
   const auto found = std::ranges::find(all_keys, key, &RotaryKey::of_linear);
   return found == all_keys.end() ? key : found->key;
+}
+
+void refuse_rotary(const toml_input::Table& table) {
+  for (const RotaryKey& one : all_keys) {
+    if (table.has(one.key))
+      table.fail_at(one.key,
+                    fmt::format("`{}` is for a rotary axis, and the only [[axis]] stands for all axes; allowed "
+                                "is one [[axis]] an axis",
+                                one.key));
+  }
 }
 
 void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::string>& notes) {
@@ -56,13 +70,15 @@ void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::st
         table.fail_at(one.key, fmt::format("`{}` is for rotary axes; allowed on axes named a, b and c", one.key));
       if (table.has(one.of_linear))
         table.fail_at(one.key, fmt::format("`{}` and `{}` are both given; allowed is either", one.key, one.of_linear));
-      if (one.key == "torque_max_N_m" && !table.has("inertia_kg_m2") && !table.has("mass_kg"))
-        table.fail_at(one.key, "`torque_max_N_m` can never bind: torque is inertia * acceleration; give inertia_kg_m2");
       axis.*one.value = *table.number(one.key);
     } else if (turns && table.has(one.of_linear)) {
       notes.push_back(fmt::format("`{}` of axis {} counts a degree as a millimetre; `{}` says so", one.of_linear,
                                   axis.name, one.key));
     }
+  }
+  for (const std::string_view key : {"torque_max_N_m", "torque_rms_N_m"}) {
+    if (table.has(key) && axis.mass == 0.0 && axis.damping == 0.0 && axis.coulomb == 0.0)
+      table.fail_at(key, fmt::format("`{}` can never bind; give inertia_kg_m2, damping_N_m_s or coulomb_N_m", key));
   }
 }
 

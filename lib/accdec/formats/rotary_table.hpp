@@ -21,6 +21,9 @@ std::vector<Key> rotary_keys();
 /// The key of a limit of a rotary axis, or of its inertia (`mass_kg`); the key itself where there is none.
 std::string_view rotary_key(std::string_view key);
 
+/// @throws InputError at a key of rotary axes in a table that stands for several axes
+void refuse_rotary(const toml_input::Table& table);
+
 /// Reads the keys into the limits and the mass of the axis.
 /// @param notes  gets a note for a limit that is given in millimetres
 /// @throws InputError at a key of an axis that does not turn, or that is given in both units

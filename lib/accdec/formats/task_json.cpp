@@ -26,7 +26,7 @@ using PlainJson = nlohmann::json;
 /// "feed_in" of "feed_in_mm_min"; the key itself if it names no unit, or one of rotary axes, which are not SI inside.
 std::string si_name(const Key& key) {
   const Unit* unit = unit_in_name(key.name);
-  const bool rotary = key.unit.starts_with("deg/") || key.unit == "kg m^2" || key.unit == "N m";
+  const bool rotary = key.unit.starts_with("deg/") || key.unit == "kg m^2" || key.unit.starts_with("N m");
   return unit && !rotary && unit->name == key.unit ? key.name.substr(0, key.name.size() - unit->suffix.size())
                                                    : key.name;
 }

@@ -242,6 +242,15 @@ Key error_max(std::string meaning) {
           .example = "50"};
 }
 
+Key contour_max(std::string meaning) {
+  return {.name = "contour_max_um",
+          .meaning = std::move(meaning),
+          .unit = "um",
+          .range = {0.0, 1e7},
+          .fallback = "no bound",
+          .example = "30"};
+}
+
 std::vector<Key> corner_keys() {
   std::vector<Key> keys{
       {.name = "name",
@@ -273,12 +282,7 @@ std::vector<Key> corner_keys() {
       feed("feed_in_mm_min", "feed on leg 1", ""),
       feed("feed_out_mm_min", "feed on leg 2", "that of leg 1"),
       error_max("tolerance of the corner"),
-      {.name = "contour_max_um",
-       .meaning = "largest distance of the path from the two programmed legs",
-       .unit = "um",
-       .range = {0.0, 1e7},
-       .fallback = "no bound",
-       .example = "30"},
+      contour_max("largest distance of the path from the two programmed legs"),
       {.name = "speed_min_mm_s",
        .meaning = "smallest tangential speed",
        .unit = "mm/s",
@@ -358,7 +362,8 @@ FileKind make_task_file() {
                {.name = "program",
                 .type = KeyType::table,
                 .meaning = "values that a program does not give",
-                .keys = {error_max("tolerance of corners for which the program gives none")}}};
+                .keys = {error_max("tolerance of corners for which the program gives none"),
+                         contour_max("largest distance of the motion from the moves, chords of arcs included")}}};
   Key& corner = *std::find_if(file.keys.begin(), file.keys.end(), [](const Key& key) { return key.name == "corner"; });
   corner.conditions =
       R"({"oneOf": [{"required": ["angle_deg"], "properties": {"direction_in": false, "direction_out": false}}, )"

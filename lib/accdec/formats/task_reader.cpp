@@ -52,20 +52,19 @@ Axis read_axis(const Table& table, std::vector<std::string>& notes) {
   axis.damping = table.required_number("damping_N_s_m");
   for (const AxisLimit& limit : axis_limits) {
     if (limit.key != force_speed_key) axis.*limit.bound = table.number(limit.key).value_or(unlimited);
-    if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0 && !table.has("inertia_kg_m2")) {
+    if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0 && !table.has("inertia_kg_m2") &&
+        !table.has("damping_N_m_s")) {
       table.fail_at(limit.key, fmt::format("`{}` can never bind: force is mass * acceleration + damping * velocity; "
                                            "give mass_kg or damping_N_s_m",
                                            limit.key));
     }
   }
-  read_rotary(table, axis, notes);
   axis.coulomb = table.required_number("coulomb_N");
+  axis.force_rms_max = table.number("force_rms_N").value_or(unlimited);
+  read_rotary(table, axis, notes);
   read_force_speed(table, axis);
-  read_rating(table, axis);
-  if (axis.coulomb > 0.0 && axis.force_max < unlimited && axis.coulomb >= axis.force_max)
-    table.fail_at("coulomb_N", fmt::format("`coulomb_N` = {:g} is not below `force_max_N` = {:g}: the axis could never "
-                                           "move",
-                                           axis.coulomb, axis.force_max));
+  check_rating(table, axis);
+  check_friction(table, axis);
   read_servo(table, axis);
   return axis;
 }
@@ -183,17 +182,16 @@ std::size_t count_axes(const std::vector<CornerLegs>& corners, const std::vector
 }
 
 /// Axes with names. One table stands for all axes, so its name is ignored unless there is only one axis. If it stands
-/// for all axes of a program, rotary axes are left out except the one it names, because their limits are in degrees
-/// instead of millimetres.
+/// for all axes of a program, rotary axes are left out, because their limits are in degrees instead of millimetres. One
+/// that names a rotary axis is only that axis.
 std::vector<Axis> name_axes(const std::vector<Axis>& given, std::size_t count, bool program) {
   std::vector<Axis> axes(given);
+  if (program && given.size() == 1 && is_rotary(given.front().name)) return axes;
   if (given.size() < 2) axes.assign(count, given.empty() ? Axis{} : given.front());
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (axes[i].name.empty() || (given.size() < 2 && count > 1)) axes[i].name = task_keys::axis_names[i];
   }
-  if (program && given.size() == 1) {
-    std::erase_if(axes, [&](const Axis& axis) { return is_rotary(axis.name) && axis.name != given.front().name; });
-  }
+  if (program && given.size() == 1) std::erase_if(axes, [](const Axis& axis) { return is_rotary(axis.name); });
   return axes;
 }
 
@@ -275,7 +273,10 @@ class TaskReader {
       for (const SupplyLimit& limit : supply_limits)
         task_.machine.*limit.bound = table.number(limit.key).value_or(unlimited);
     });
-    read_table("program", [&](const Table& table) { task_.program_error_max = read_distance(table, "error_max_um"); });
+    read_table("program", [&](const Table& table) {
+      task_.program_error_max = read_distance(table, "error_max_um");
+      task_.program_contour_max = read_distance(table, "contour_max_um");
+    });
     for (const Table& mode : top_.tables("mode"))
       faults_.attempt(mode.pointer(), [&] { task_.machine.modes.push_back(read_mode(mode)); });
   }
@@ -345,6 +346,7 @@ class TaskReader {
     std::vector<Axis>& axes = task_.machine.axes;
     if (axes.size() < 2) {
       axes = name_axes(axes, count_axes(legs_, corners_, options_), corners_.empty() && options_.axes > 1);
+      if (axes.size() > 1 && top_.has("axis")) refuse_rotary(top_.tables("axis").front());
     } else {
       axes = name_axes(axes, axes.size(), false);
       for (std::size_t j = 0; j < legs_.size(); ++j) faults_.attempt(corners_[j].pointer(), [&] { check_size(j); });

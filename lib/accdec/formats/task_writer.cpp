@@ -62,13 +62,13 @@ Json axis_json(const Axis& axis) {
   const auto key = [&](std::string_view name) { return is_rotary(axis.name) ? rotary_key(name) : name; };
   table.value("name", axis.name);
   if (axis.mass > 0.0) table.number(key("mass_kg"), axis.mass);
-  if (axis.damping > 0.0) table.number("damping_N_s_m", axis.damping);
-  if (axis.coulomb > 0.0) table.number("coulomb_N", axis.coulomb);
+  if (axis.damping > 0.0) table.number(key("damping_N_s_m"), axis.damping);
+  if (axis.coulomb > 0.0) table.number(key("coulomb_N"), axis.coulomb);
   for (const AxisLimit& limit : axis_limits) {
     if (axis.*limit.bound < unlimited && limit.key != force_speed_key) table.number(key(limit.key), axis.*limit.bound);
   }
   if (axis.force_speed_max < unlimited) table.value(force_speed_key, curve_json(axis));
-  if (axis.force_rms_max < unlimited) table.number("force_rms_N", axis.force_rms_max);
+  if (axis.force_rms_max < unlimited) table.number(key("force_rms_N"), axis.force_rms_max);
   if (axis.servo_gain < unlimited) {
     table.number("servo_gain_1_s", axis.servo_gain);
     if (axis.velocity_feedforward > 0.0) table.number("velocity_feedforward", axis.velocity_feedforward);
@@ -172,9 +172,10 @@ nlohmann::ordered_json task_to_json(const Task& task) {
   list("axis", task.machine.axes, axis_json);
   list("corner", task.corners, task_corner_json);
   list("mode", task.machine.modes, [&](const Mode& mode) { return mode_json(mode, task.machine.axes); });
-  if (task.program_error_max) {
+  if (task.program_error_max || task.program_contour_max) {
     Written program("program");
-    program.number("error_max_um", *task.program_error_max);
+    if (task.program_error_max) program.number("error_max_um", *task.program_error_max);
+    if (task.program_contour_max) program.number("contour_max_um", *task.program_contour_max);
     top.value("program", program.json());
   }
   return top.json();

@@ -21,6 +21,12 @@ Polar polar(const Arc& arc, const ProgramPoint& p) {
   return {std::hypot(x, y), std::atan2(y, x)};
 }
 
+/// A spiral r(w) bends by at most |p''(w)| = hypot(r, 2 r').
+double largest_bend(const Arc& arc) {
+  const double a = polar(arc, arc.from).radius, b = polar(arc, arc.to).radius;
+  return std::hypot(std::max(a, b), 2.0 * (b - a) / arc.angle);
+}
+
 }  // namespace
 
 ArcProblem arc_by_center(Arc& arc, bool clockwise, int turns) {
@@ -57,13 +63,16 @@ ArcProblem arc_by_radius(Arc& arc, bool clockwise, double radius, int turns) {
 }
 
 int chord_count(const Arc& arc, double tolerance) {
-  const double a = polar(arc, arc.from).radius, b = polar(arc, arc.to).radius;
-  // A spiral r(w) bends by at most |p''(w)| = hypot(r, 2 r') between the ends of a chord.
-  const double r = std::hypot(std::max(a, b), 2.0 * (b - a) / arc.angle);
+  const double r = largest_bend(arc);
   // 2 acos(1 - t/r) without its cancellation.
   const double step = std::min(4.0 * std::asin(std::sqrt(std::min(1.0, 0.5 * tolerance / r))), 0.5 * std::numbers::pi);
   const double count = std::ceil(std::abs(arc.angle) / step - 1e-9);
   return count <= 1e7 ? std::max(1, static_cast<int>(count)) : 0;
+}
+
+double chord_distance(const Arc& arc, int chords) {
+  const double sine = std::sin(0.25 * arc.angle / chords);
+  return 2.0 * largest_bend(arc) * sine * sine;
 }
 
 ProgramPoint chord_end(const Arc& arc, int i, int n) {

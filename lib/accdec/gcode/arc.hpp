@@ -39,6 +39,8 @@ ArcProblem arc_by_radius(Arc& arc, bool clockwise, double radius, int turns);
 /// Number of chords of equal angle that stay within `tolerance` (m, > 0) of the arc, at least one a quarter turn.
 /// 0 if that would be more than 10 million.
 int chord_count(const Arc& arc, double tolerance);
+/// Largest distance of that many chords of equal angle from the arc, m.
+double chord_distance(const Arc& arc, int chords);
 /// End of chord i of n, 1 <= i <= n; the last is exactly `to`.
 ProgramPoint chord_end(const Arc& arc, int i, int n);
 

@@ -78,8 +78,10 @@ class CanonicalReader {
   double printed_tolerance_ = 0.0;  // of the last G64, as printed, in the unit that was in force then
   std::int64_t exact_line_ = 0;     // of the last exact mode
   bool restored_ = false;           // the last G64 is a cycle's, which restores that before it
-  std::array<double, 10> value_{};
-  std::size_t count_ = 0;
+  struct {
+    std::array<double, 10> value{};
+    std::size_t count = 0;
+  } numbers_;  // of the call
 };
 
 void CanonicalReader::numbers(std::size_t least, std::size_t most) {
@@ -91,19 +93,19 @@ void CanonicalReader::numbers(std::size_t least, std::size_t most) {
     while (p != end && (*p == ' ' || *p == '\t')) ++p;
   };
   const bool with_blanks = call_.name == "USE_TOOL_LENGTH_OFFSET";  // a comma behind every third
-  count_ = 0;
+  numbers_.count = 0;
   for (;;) {
     blanks();
-    if (count_ == most) source_.fail(column(), "more than " + std::to_string(most) + " arguments");
-    if (!read_number(p, end, value_[count_])) source_.fail(column(), "not a number from -1e12 to 1e12");
-    ++count_;
+    if (numbers_.count == most) source_.fail(column(), "more than " + std::to_string(most) + " arguments");
+    if (!read_number(p, end, numbers_.value[numbers_.count])) source_.fail(column(), "not a number from -1e12 to 1e12");
+    ++numbers_.count;
     blanks();
     if (with_blanks && p != end && p[-1] == ' ' && *p != ',' && *p != ')') continue;
     if (p == end || (*p != ',' && *p != ')')) source_.fail(column(), "',' or ')' expected");
     if (*p++ == ')') break;
   }
   nothing_from(column() - 1);
-  if (count_ < least) source_.fail(column() - 1, "fewer than " + std::to_string(least) + " arguments");
+  if (numbers_.count < least) source_.fail(column() - 1, "fewer than " + std::to_string(least) + " arguments");
 }
 
 bool CanonicalReader::execute() {
@@ -141,11 +143,12 @@ bool CanonicalReader::execute() {
   } else if (name == "SET_NAIVECAM_TOLERANCE") {
     numbers(1, 1);
     // Q of the G64 before it, or its P, with four decimals. Behind a cycle the Q in force stays, as P does.
-    if (!restored_) state_.merge = std::abs(value_[0] - printed_tolerance_) < 6e-5 ? -1.0 : value_[0] * state_.unit;
+    if (!restored_)
+      state_.merge = std::abs(numbers_.value[0] - printed_tolerance_) < 6e-5 ? -1.0 : numbers_.value[0] * state_.unit;
   } else if (name == "DWELL") {
     numbers(1, 1);
-    if (value_[0] < 0.0) source_.fail(call_.arguments + 1, "a dwell cannot be negative");
-    state_.stop(value_[0]);
+    if (numbers_.value[0] < 0.0) source_.fail(call_.arguments + 1, "a dwell cannot be negative");
+    state_.stop(numbers_.value[0]);
   } else if (name == "PROGRAM_STOP" || name == "OPTIONAL_PROGRAM_STOP") {
     text();
     state_.stop(0.0);
@@ -170,7 +173,7 @@ void CanonicalReader::other_call() {
     case CallKind::followed:
       if (name == "SET_FEED_MODE") {
         numbers(1, 2);
-        zeros(count_ - 1, "only feed per minute (mode 0) is supported");
+        zeros(numbers_.count - 1, "only feed per minute (mode 0) is supported");
       } else {
         offset_call();
       }
@@ -214,26 +217,26 @@ void CanonicalReader::pass_call() {
   if (name == "CHANGE_TOOL" && empty) state_.pass("M6");
   if (!number || empty) return;
   numbers(1, 10);
-  // Where there are several, the spindle's or pocket's number comes first.
-  const std::string value = plain_number(value_[count_ - 1], 6);
+  // If there are several, the spindle's or pocket's number comes first.
+  const std::string value = plain_number(numbers_.value[numbers_.count - 1], 6);
   state_.pass(name == "SET_SPINDLE_SPEED" ? "S" + value : name == "SELECT_TOOL" ? "T" + value : "T" + value + " M6");
 }
 
 void CanonicalReader::zeros(std::size_t from, const char* what) {
-  for (std::size_t i = from; i < count_; ++i) {
-    if (value_[i] != 0.0) source_.fail(call_.column + 1, what);
+  for (std::size_t i = from; i < numbers_.count; ++i) {
+    if (numbers_.value[i] != 0.0) source_.fail(call_.column + 1, what);
   }
 }
 
 void CanonicalReader::feed() {
   numbers(1, 1);
-  if (value_[0] < 0.0) source_.fail(call_.arguments + 1, "a feed cannot be negative");
-  state_.feed = value_[0];  // 0 is what an interpreter prints before the first F word
+  if (numbers_.value[0] < 0.0) source_.fail(call_.arguments + 1, "a feed cannot be negative");
+  state_.feed = numbers_.value[0];  // 0 is what an interpreter prints before the first F word
 }
 
 ProgramPoint CanonicalReader::offsets(std::size_t from) const {
   ProgramPoint values{};
-  for (std::size_t i = from; i < count_; ++i) values[i - from] = position_.scaled(value_[i], i - from);
+  for (std::size_t i = from; i < numbers_.count; ++i) values[i - from] = position_.scaled(numbers_.value[i], i - from);
   return values;
 }
 
@@ -242,11 +245,11 @@ void CanonicalReader::offset_call() {
   ProgramFrame frame = position_.frame();
   if (name == "SET_XY_ROTATION") {
     numbers(1, 1);
-    frame.rotation = value_[0] * std::numbers::pi / 180.0;
+    frame.rotation = numbers_.value[0] * std::numbers::pi / 180.0;
   } else if (name == "SET_G5X_OFFSET") {
     numbers(2, 10);
-    const double system = value_[0];
-    // What rs274 prints first is no word of the program.
+    const double system = numbers_.value[0];
+    // The system that rs274 prints first is no word of the program.
     if ((!numbered_ || started_) && system >= 1.0 && system <= 9.0 && system == std::floor(system)) {
       const int tenths = system <= 6.0 ? 530 + 10 * static_cast<int>(system) : 584 + static_cast<int>(system);
       state_.select(code_name('G', tenths));
@@ -262,7 +265,7 @@ void CanonicalReader::offset_call() {
 void CanonicalReader::straight(bool rapid) {
   numbers(3, program_axis_count);
   ProgramPoint to = position_.here();
-  for (std::size_t a = 0; a < count_; ++a) to[a] = position_.coordinate(value_[a], a);
+  for (std::size_t a = 0; a < numbers_.count; ++a) to[a] = position_.coordinate(numbers_.value[a], a);
   position_.end_of_coordinates();
   const ProgramPoint machine = position_.machine_of(to);
   position_.go(to);
@@ -276,14 +279,14 @@ void CanonicalReader::arc() {
   const std::size_t normal = 3 - first - second;
   if (position_.frame().rotation != 0.0 && state_.plane != Plane::xy)
     source_.fail(call_.column + 1, "arcs outside the XY plane are not supported where G10 R rotates it");
-  to[first] = position_.coordinate(value_[0], first);
-  to[second] = position_.coordinate(value_[1], second);
-  center[first] = position_.scaled(value_[2], first);
-  center[second] = position_.scaled(value_[3], second);
-  to[normal] = position_.coordinate(value_[5], normal);
-  for (std::size_t a = 6; a < count_; ++a) to[a - 3] = position_.coordinate(value_[a], a - 3);
+  to[first] = position_.coordinate(numbers_.value[0], first);
+  to[second] = position_.coordinate(numbers_.value[1], second);
+  center[first] = position_.scaled(numbers_.value[2], first);
+  center[second] = position_.scaled(numbers_.value[3], second);
+  to[normal] = position_.coordinate(numbers_.value[5], normal);
+  for (std::size_t a = 6; a < numbers_.count; ++a) to[a - 3] = position_.coordinate(numbers_.value[a], a - 3);
   position_.end_of_coordinates();
-  const double turns = value_[4];
+  const double turns = numbers_.value[4];
   if (turns == 0.0 || turns != std::floor(turns) || std::abs(turns) > 1e6) {
     source_.fail(call_.arguments + 1, "the fifth argument of an arc is its number of turns, positive counterclockwise");
   }
@@ -326,12 +329,12 @@ void CanonicalReader::control() {
   if (comma == std::string_view::npos) return;
   call_.arguments += comma + 1;
   numbers(1, 1);
-  printed_tolerance_ = value_[0];
-  if (value_[0] <= 0.0) return;  // 0 stands for G64 without P
-  state_.tolerance = value_[0] * state_.unit;
+  printed_tolerance_ = numbers_.value[0];
+  if (numbers_.value[0] <= 0.0) return;  // 0 stands for G64 without P
+  state_.tolerance = numbers_.value[0] * state_.unit;
   // A cycle makes the path exact in its own line. At its end rs274 prints the number of G64 P once more, in the unit
   // that was in force then. Calls without line numbers may come from another G64 P with that number: the smaller holds.
-  if (value_[0] != printed || before <= 0.0) return;
+  if (numbers_.value[0] != printed || before <= 0.0) return;
   restored_ = call_.program_line > 0 ? call_.program_line == exact_line_ : before < state_.tolerance;
   if (restored_) state_.tolerance = before;
 }

@@ -8,7 +8,7 @@
 
 namespace accdec {
 
-/// Where a program of canonical calls stands: in its own frame, and as its coordinates were printed last.
+/// The position of a program of canonical calls: in its own frame, and as its coordinates were printed last.
 class CanonicalPosition {
  public:
   /// @param state  the machine's position and the unit; the reference is kept
@@ -16,7 +16,7 @@ class CanonicalPosition {
 
   /// m or rad of a printed number of this axis.
   double scaled(double printed, std::size_t axis) const { return printed * unit_of(axis, state_.unit); }
-  /// Where the axis is to go, by the coordinate that a move prints.
+  /// The position that the axis must go to, by the coordinate that a move prints.
   ///
   /// Coordinates are printed with 4 decimals. A coordinate that has not moved prints the same text. But after a change
   /// of unit it differs by its rounding. Then it must not move; otherwise full circles would be lost and rotary moves

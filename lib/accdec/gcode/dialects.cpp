@@ -83,7 +83,7 @@ std::string bare(std::string_view line) {
   return words;
 }
 
-/// Where a code stands as a whole word; npos if nowhere.
+/// The place of a code as a whole word; npos if nowhere.
 std::size_t find_word(std::string_view line, std::string_view word) {
   for (std::size_t at = line.find(word); at != line.npos; at = line.find(word, at + 1)) {
     const std::string_view next = line.substr(at + word.size(), 1);

@@ -20,8 +20,8 @@ double exact_arc_tolerance(double arc_tolerance) {
 
 double MoveState::chord_distance() const {
   constexpr double least = 1e-9;  // m
-  const bool within = control == PathControl::blend && tolerance > 0.0;
-  return within ? std::min(arc_tolerance_, std::max(least, 0.5 * tolerance)) : arc_tolerance_;
+  if (control != PathControl::blend) return std::min(arc_tolerance_, exact_arc_tolerance(arc_tolerance_) / 3.0);
+  return tolerance > 0.0 ? std::min(arc_tolerance_, std::max(least, tolerance / 8.0)) : arc_tolerance_;
 }
 
 void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column) {

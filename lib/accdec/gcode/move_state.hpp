@@ -37,8 +37,8 @@ class MoveState {
 
  private:
   void send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column);
-  /// m, of chords from their arc: at most half the tolerance in force. Only joints are held against the tolerance, and
-  /// between them the motion may be off by this more.
+  /// m, of chords from their arc: at most an eighth of the tolerance in force, a third in an exact path mode. Between
+  /// joints the motion may be off by this more, so the tolerances of joints leave room for it.
   double chord_distance() const;
 
   LineSource& source_;

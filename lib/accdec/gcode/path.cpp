@@ -35,7 +35,11 @@ std::span<const std::pair<std::uint32_t, double>> Toolpath::dwells_at(std::size_
 }
 
 const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
-  if (machine.axes.size() == 1 && !rotary_axis(program_axis)) return &machine.axes.front();
+  const auto turns = [](const std::string& name) {
+    return name.size() == 1 && std::string_view("ABCabc").find(name[0]) != std::string_view::npos;
+  };
+  if (machine.axes.size() == 1 && !rotary_axis(program_axis) && !turns(machine.axes.front().name))
+    return &machine.axes.front();
   for (const Axis& axis : machine.axes) {
     if (axis.name.size() == 1 && (axis.name[0] & ~0x20) == program_axes[program_axis]) return &axis;
   }
@@ -44,13 +48,19 @@ const Axis* find_axis(const Machine& machine, std::size_t program_axis) {
 
 Machine program_machine(const Machine& machine, const Toolpath& path) {
   Machine result;
-  result.modes = machine.modes;
   result.power_total_max = machine.power_total_max;
   result.regeneration_total_max = machine.regeneration_total_max;
   for (std::size_t i = 0; i < path.dimensions(); ++i) {
     const Axis* axis = find_axis(machine, path.axes[i]);
     result.axes.push_back(axis != nullptr ? *axis : Axis{});
     result.axes.back().name = path.axis_name(i);
+    // A single axis may stand for several columns, each with its modes.
+    for (Mode mode : machine.modes) {
+      if (mode.of_axis() && axis != &machine.axes[static_cast<std::size_t>(mode.axis)]) continue;
+      if (!mode.of_axis() && i > 0) continue;
+      if (mode.of_axis()) mode.axis = static_cast<int>(i);
+      result.modes.push_back(mode);
+    }
   }
   return result;
 }

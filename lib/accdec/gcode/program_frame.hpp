@@ -4,7 +4,7 @@
 
 namespace accdec {
 
-/// Where coordinates of a program lie: offsets of coordinate systems (G54 .. G59.3, G92), rotation, and tool lengths.
+/// The frame of a program's coordinates: offsets of coordinate systems (G54 .. G59.3, G92), rotation, and tool lengths.
 /// As in LinuxCNC, a machine position starts from the program position plus the offset of G92, rotated in X and Y. Then
 /// the offsets of the coordinate system and of the tool are added.
 struct ProgramFrame {

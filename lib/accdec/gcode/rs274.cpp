@@ -27,7 +27,7 @@ class Interpreter {
       switch (kind) {
         case LineKind::empty:
           // The program's number is at its head; a later one stays at its place.
-          if (label_.empty() && !opened_by_words_)
+          if (label_.empty() && !frame_.opened_by_words)
             label_ = words_.label();
           else if (!words_.label().empty())
             state_.pass(words_.label());
@@ -35,10 +35,10 @@ class Interpreter {
           break;
         case LineKind::percent:
           if (opened) return finish();
-          opened = percent_ = true;
+          opened = frame_.percent = true;
           break;
         case LineKind::words:
-          opened = opened_by_words_ = true;
+          opened = frame_.opened_by_words = true;
           if (!execute()) return finish();
       }
     }
@@ -48,7 +48,7 @@ class Interpreter {
  private:
   void finish() {
     splines_.leave(1);
-    state_.frame(percent_, label_, end_);
+    state_.frame(frame_.percent, label_, end_);
   }
   /// A line without motion: its number, words and comments.
   void pass_line(const std::string& words) {
@@ -88,7 +88,12 @@ class Interpreter {
   bool tools_ = false;  // their lengths are known
   std::uint32_t used_ = 0;
   int motion_ = -1;  // tenths; -1: none yet, 800: cancelled
-  bool absolute_ = true, absolute_center_ = false, percent_ = false, opened_by_words_ = false;
+  struct {
+    bool absolute = true, absolute_center = false;
+  } distance_;
+  struct {
+    bool percent = false, opened_by_words = false;
+  } frame_;  // what stands round the program
   std::string label_, end_;
 };
 
@@ -193,8 +198,8 @@ bool Interpreter::modal_codes() {
         if ((seen & (1U << g_motion)) == 0U) motion_ = 800;  // beside G0 to G3 it is they that count
         break;
       case g_plane: state_.plane = g.tenths == 170 ? Plane::xy : g.tenths == 180 ? Plane::zx : Plane::yz; break;
-      case g_distance: absolute_ = g.tenths == 900; break;
-      case g_arc_distance: absolute_center_ = g.tenths == 901; break;
+      case g_distance: distance_.absolute = g.tenths == 900; break;
+      case g_arc_distance: distance_.absolute_center = g.tenths == 901; break;
       case g_units: {
         const double unit = g.tenths == 200 ? 0.0254 : 1e-3;
         // F is executed before the units change. So its number is in the old unit, whether it is from this block or an
@@ -245,7 +250,7 @@ ProgramPoint Interpreter::target() const {
     const char letter = program_axes[a];
     if (!words_.has(letter)) continue;
     const double value = words_[letter] * (a >= 3 && a < 6 ? 1e-3 : state_.unit);
-    to[a] = absolute_ ? value : to[a] + value;
+    to[a] = distance_.absolute ? value : to[a] + value;
   }
   return to;
 }
@@ -264,7 +269,7 @@ void Interpreter::move() {
   const std::size_t column = column_of_move();
   const ProgramPoint to = target();
   if (is_spline(motion_)) {
-    used_ |= splines_.block(words_, motion_, state_.plane, absolute_, to, column);
+    used_ |= splines_.block(words_, motion_, state_.plane, distance_.absolute, to, column);
     if (motion_ == 53) motion_ = -1;
     return;
   }
@@ -299,11 +304,13 @@ void Interpreter::arc_move(const ProgramPoint& to, std::size_t column) {
   const char i = static_cast<char>('I' + first), j = static_cast<char>('I' + second);
   const bool has_i = take(i), has_j = take(j);
   if (!has_i && !has_j) source_.fail(column, fmt::format("an arc in this plane needs R, or {} and {}", i, j));
-  if (absolute_center_ && !(has_i && has_j)) {
+  if (distance_.absolute_center && !(has_i && has_j)) {
     source_.fail(column, fmt::format("with G90.1 an arc needs both {} and {}", i, j));
   }
-  arc.center_first = (has_i ? words_[i] * state_.unit : 0.0) + (absolute_center_ ? 0.0 : state_.position[first]);
-  arc.center_second = (has_j ? words_[j] * state_.unit : 0.0) + (absolute_center_ ? 0.0 : state_.position[second]);
+  arc.center_first =
+      (has_i ? words_[i] * state_.unit : 0.0) + (distance_.absolute_center ? 0.0 : state_.position[first]);
+  arc.center_second =
+      (has_j ? words_[j] * state_.unit : 0.0) + (distance_.absolute_center ? 0.0 : state_.position[second]);
   state_.arc(arc, clockwise, turns, nullptr, column);
 }
 

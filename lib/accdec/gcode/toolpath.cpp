@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/gcode/arc.hpp>
+#include <accdec/gcode/arc_sequence.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/machine/response.hpp>
@@ -18,25 +18,6 @@ namespace {
 constexpr double longest = 1e9;    // s, of a move or a dwell
 constexpr double nothing = 1e-12;  // m; moves shorter than this have no direction worth the name
 
-/// Whether the second arc goes on along the circle or helix of the first, up to the digits of programs.
-bool same_circle(const Arc& a, const Arc& b) {
-  constexpr double digits = 1e-6;  // m
-  const auto radius = [](const Arc& arc, const ProgramPoint& p) {
-    return std::hypot(p[arc.first] - arc.center_first, p[arc.second] - arc.center_second);
-  };
-  const double r = radius(a, a.to);
-  bool same = a.first == b.first && a.second == b.second && a.angle * b.angle > 0.0 && r > 1e3 * digits &&
-              std::hypot(a.center_first - b.center_first, a.center_second - b.center_second) <= digits;
-  for (const auto& [arc, point] : {std::pair{&a, &a.from}, std::pair{&b, &b.to}})
-    same = same && std::abs(radius(*arc, *point) - r) <= digits;
-  for (std::size_t i = 0; i < program_axis_count && same; ++i) {
-    if (i == a.first || i == a.second) continue;
-    const double slope = (a.to[i] - a.from[i]) / a.angle - (b.to[i] - b.from[i]) / b.angle;
-    same = std::abs(slope) <= digits;
-  }
-  return same;
-}
-
 /// Notes the path mode of the next block where it changes.
 void keep_mode(Toolpath& path, const Move& move) {
   if (!path.modes.empty()) {
@@ -46,41 +27,14 @@ void keep_mode(Toolpath& path, const Move& move) {
   path.modes.push_back({static_cast<std::uint32_t>(path.blocks()), move.control, move.tolerance, move.merge});
 }
 
-/// The arc under way and the one before it.
-class ArcSequence {
- public:
-  void begin(const Arc& arc, int chords) {
-    goes_on_ = after_arc_ && same_circle(arc_, arc);
-    arc_ = arc;
-    chords_ = chords;
-  }
-  /// Counts a move. @return whether it is a chord of the arc
-  bool take() {
-    const bool of_arc = chords_ > 0;
-    chords_ -= of_arc ? 1 : 0;
-    return of_arc;
-  }
-  void moved(bool of_arc) {
-    after_arc_ = of_arc;
-    goes_on_ = false;
-  }
-  /// The arc that begins with the next move goes on along the circle of the last one.
-  bool goes_on() const { return goes_on_; }
-  const Arc& arc() const { return arc_; }
-
- private:
-  Arc arc_;
-  int chords_ = 0;  // of the arc that are still to come
-  bool after_arc_ = false, goes_on_ = false;
-};
-
 class Builder : public MoveSink {
  public:
-  Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options)
-      : source_(source), options_(options) {
+  /// @param spline_distance  m, of the chords of splines from them at most
+  Builder(const LineSource& source, const Machine& machine, const ToolpathOptions& options, double spline_distance)
+      : source_(source), options_(options), spline_distance_(spline_distance) {
     for (std::size_t a = 0; a < program_axis_count; ++a) limits_[a] = find_axis(machine, a);
-    limited_ = !machine.axes.empty();
-    servo_ = has_servo(machine);
+    given_.limited = !machine.axes.empty();
+    given_.servo = has_servo(machine);
   }
 
   void begin(const ProgramPoint& at) override { path_.begin = position_ = at; }
@@ -89,7 +43,7 @@ class Builder : public MoveSink {
   void stop(double dwell) override {
     if (!(dwell <= longest)) source_.fail(1, "the dwell takes more than 1e9 s");
     if (dwell > 0.0) keep("G4 P" + plain_number(dwell, 9), true);
-    stopped_ = stopped_ || dwell == 0.0 || !options_.dwells_before_filter;
+    before_.stopped = before_.stopped || dwell == 0.0 || !options_.dwells_before_filter;
     if (dwell > 0.0 && path_.blocks() == 0) path_.dwell_first += dwell;
     if (dwell > 0.0 && path_.blocks() > 0) path_.dwell.emplace_back(path_.blocks() - 1, dwell);
   }
@@ -114,7 +68,8 @@ class Builder : public MoveSink {
   void add_axes(unsigned moving);
   double rapid_duration(const Move& move) const;
   double limited_duration(const Move& move);
-  void close_joint(const Move& next);
+  void close_joint(const Move& next, double off);
+  double beside_curves(double tolerance, Joint joint, const Move& next, double off);
   double exact_tolerance(std::size_t b) const;
   void give_delay(std::size_t b);
   void keep_arc(std::size_t b);
@@ -129,17 +84,22 @@ class Builder : public MoveSink {
 
   const LineSource& source_;
   const ToolpathOptions& options_;
+  const double spline_distance_;
   std::array<const Axis*, program_axis_count> limits_{};
-  bool limited_ = false;
-  bool servo_ = false;
+  struct {
+    bool limited = false, servo = false;
+  } given_;  // by the machine
   Toolpath path_;
   Toolpath::Selected system_{"G54"};  // as controls are when they are switched on
   ProgramPoint position_{};
   ProgramPoint start_{};
   unsigned used_ = 0;  // bit a: axis a has moved
   Move last_;
-  std::array<double, 3> feed_way_{};  // m, of every plane
-  bool stopped_ = false;
+  struct {
+    double off = 0.0;                  // m, of the last block from its arc or spline at most
+    std::array<double, 3> feed_way{};  // m, of every plane
+    bool stopped = false;
+  } before_;
   ArcSequence arcs_;
 };
 
@@ -241,8 +201,19 @@ void Builder::give_delay(std::size_t b) {
   passed.erase(std::remove_if(from, passed.end(), [](const Toolpath::Passed& p) { return p.dwell; }), passed.end());
 }
 
+/// The tolerance of a joint so that a motion is within the program's of arcs and splines if it is within this of their
+/// chords. If a curve begins or ends without a corner, its own tolerance holds from there on.
+double Builder::beside_curves(double tolerance, Joint joint, const Move& next, double off) {
+  if (joint != Joint::corner && off > 0.0 && next.tolerance >= 0.0) tolerance = std::min(tolerance, next.tolerance);
+  const double room = std::min(std::max(off, before_.off), 0.5 * tolerance);
+  if (!(room > 0.0 && tolerance < unlimited && options_.room_for_chords)) return tolerance;
+  path_.narrowed = std::max(path_.narrowed, room);
+  return tolerance - room;
+}
+
 /// Decides on the joint between the last block kept and the one being added, whose end point is already stored.
-void Builder::close_joint(const Move& next) {
+/// @param off  m, of the next block from its arc or spline at most
+void Builder::close_joint(const Move& next, double off) {
   const std::size_t b = path_.blocks() - 1, n = path_.dimensions();
   const double* p = path_.point(b);
   std::array<double, program_axis_count> in{}, out{};
@@ -252,15 +223,17 @@ void Builder::close_joint(const Move& next) {
   }
   Joint joint = classify(in.data(), out.data());
   // No motion behind a servo passes exactly through a corner: there the control waits for the command.
-  const bool waits = servo_ && last_.control == PathControl::exact_path && joint != Joint::straight && !arcs_.goes_on();
-  const bool stop = stopped_ || waits || last_.control == PathControl::exact_stop ||
+  const bool waits =
+      given_.servo && last_.control == PathControl::exact_path && joint != Joint::straight && !arcs_.goes_on();
+  const bool stop = before_.stopped || waits || last_.control == PathControl::exact_stop ||
                     (options_.rapid_stops && last_.rapid != next.rapid);
   double tolerance = unlimited;
   if (stop) {
     joint = Joint::stop;
-    if (servo_ && options_.error_max) tolerance = *options_.error_max;
+    if (given_.servo && options_.error_max) tolerance = *options_.error_max;
   } else {
-    tolerance = last_.control == PathControl::exact_path ? exact_tolerance(b) : last_.tolerance;
+    const bool exact = last_.control == PathControl::exact_path;
+    tolerance = exact ? exact_tolerance(b) : last_.tolerance;
     if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
     if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
     if (tolerance < 0.0) {
@@ -273,13 +246,14 @@ void Builder::close_joint(const Move& next) {
            fmt::format("a tolerance of {:g} mm is less than a simulation can tell from 0; allowed is 0 or {:g} mm "
                        "and more",
                        1e3 * tolerance, 1e3 * position_floor));
+    if (!exact) tolerance = beside_curves(tolerance, joint, next, off);
   }
   if (options_.dwells_before_filter && !stop) give_delay(b);
   path_.joint.back() = joint;
   path_.tolerance.back() = tolerance;
 }
 
-/// Where an arc goes on along the circle of the last one, the path is exact as inside an arc. Else no error is granted.
+/// If an arc goes on along the circle of the last one, the path is exact as inside an arc. Else no error is granted.
 double Builder::exact_tolerance(std::size_t b) const {
   return arcs_.goes_on() && b > 0 && path_.inside_arc[b - 1] != 0 ? path_.tolerance[b - 1] : 0.0;
 }
@@ -326,7 +300,7 @@ void Builder::move(const Move& move) {
   }
   if ((moving & ~used_) != 0U) {
     for (std::size_t a = 0; a < program_axis_count; ++a) {
-      if ((moving & (1U << a)) != 0U && limited_ && limits_[a] == nullptr) {
+      if ((moving & (1U << a)) != 0U && given_.limited && limits_[a] == nullptr) {
         fail(move, fmt::format("axis {0} is not among the axes of the task{1}", program_axes[a],
                                rotary_axis(a) ? fmt::format(": it is rotary and takes no limits from others; add an "
                                                             "[[axis]] with name = \"{}\", where a degree counts as a "
@@ -344,7 +318,9 @@ void Builder::move(const Move& move) {
   const double duration = move.rapid ? rapid_duration(move) : limited_duration(move);
   if (!(duration > 0.0 && duration < longest)) fail(move, "the move takes more than 1e9 s or no time at all");
   for (const std::size_t a : path_.axes) path_.points.push_back(move.to[a]);
-  if (path_.blocks() > 0) close_joint(move);
+  const bool of_spline = !of_arc && (move.inside_arc || (path_.blocks() > 0 && path_.inside_arc.back() != 0));
+  const double off = of_arc ? arcs_.distance() : of_spline ? spline_distance_ : 0.0;
+  if (path_.blocks() > 0) close_joint(move, off);
   keep_mode(path_, move);
   path_.duration.push_back(duration);
   path_.tolerance.push_back(unlimited);
@@ -353,30 +329,33 @@ void Builder::move(const Move& move) {
   path_.inside_arc.push_back(move.inside_arc ? 1 : 0);
   if (of_arc) keep_arc(path_.blocks() - 1);
   path_.line.push_back(static_cast<std::uint32_t>(move.line));
-  if (!move.rapid) feed_way_[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
+  if (!move.rapid) before_.feed_way[static_cast<std::size_t>(move.plane)] += std::sqrt(length2);
   position_ = move.to;
   last_ = move;
+  before_.off = off;
   arcs_.moved(of_arc);
-  stopped_ = false;
+  before_.stopped = false;
 }
 
 Toolpath Builder::finish() {
   if (path_.blocks() == 0) {
     throw ReadError(source_.name(), std::max<std::int64_t>(1, source_.line_number()), 1, "the program does not move");
   }
-  path_.plane = static_cast<Plane>(std::max_element(feed_way_.begin(), feed_way_.end()) - feed_way_.begin());
+  path_.plane =
+      static_cast<Plane>(std::max_element(before_.feed_way.begin(), before_.feed_way.end()) - before_.feed_way.begin());
   path_.widen_arcs = options_.widen_arcs;
+  path_.contour_max = options_.contour_max;
   return std::move(path_);
 }
 
 }  // namespace
 
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
-  Builder builder(source, machine, options);
   auto reading = options.read;
   // As under G64 P, see MoveState.
   if (options.error_max && *options.error_max > 0.0)
-    reading.arc_tolerance = std::min(reading.arc_tolerance, std::max(1e-9, 0.5 * *options.error_max));
+    reading.arc_tolerance = std::min(reading.arc_tolerance, std::max(1e-9, *options.error_max / 8.0));
+  Builder builder(source, machine, options, reading.arc_tolerance);
   read_program(source, reading, builder);
   return builder.finish();
 }

@@ -60,7 +60,7 @@ struct Text {
   std::vector<std::string> columns, rows;
   std::vector<int> variables;  ///< of each column of the file: its variable of the instance, or one more
   std::string kind;            ///< "linear program", ..
-  /// What its optimum says about that of the instance.
+  /// The relation of its optimum to that of the instance.
   std::string relation = "the same problem";
 };
 

@@ -8,7 +8,7 @@ namespace accdec {
 /// considered. No command considers it for whole coefficients.
 inline constexpr std::string_view considered_by =
     "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, `accdec design` and "
-    "`accdec explain` do unless there are `coefficient_bits`. `accdec program` considers `prefilter_taps`, one servo "
-    "of all axes, friction, curves and the supply with `--plan fixed`";
+    "`accdec explain` do unless there are `coefficient_bits`. `accdec program` considers `prefilter_taps`, "
+    "servos, friction, curves, the supply and modes of axes with `--plan fixed`";
 
 }  // namespace accdec

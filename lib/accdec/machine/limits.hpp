@@ -14,7 +14,7 @@
 
 namespace accdec {
 
-/// What one axis does at one sample, SI.
+/// The state of one axis at one sample, SI.
 struct AxisState {
   double velocity = 0.0, acceleration = 0.0, jerk = 0.0;  ///< m/s, m/s^2, m/s^3
   double force = 0.0;                                     ///< N, m a + c v + dry friction

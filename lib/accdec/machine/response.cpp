@@ -73,7 +73,8 @@ Response::Response(const Machine& machine, double period) {
                       axis.response_taps == machine.axes.front().response_taps;
     servo_.push_back(same ? servo_.front() : servo_of(axis, period));
     const std::vector<double>& taps = servo_.back();
-    common_ = common_ && taps == servo_.front() &&
+    // As proofs see it: equal taps of different gains, fed forward as a whole, count as different.
+    common_ = common_ && (same || servo_.size() == 1) &&
               std::all_of(taps.begin(), taps.end(), [](double tap) { return tap >= 0.0; });
     servo_order_ = std::max(servo_order_, static_cast<int>(taps.size()) - 1);
   }
@@ -89,11 +90,24 @@ Filter Response::motion(const Filter& designed) const {
   return servo_.empty() ? before : Filter(convolved(before.taps(), servo_.front()));
 }
 
+Filter Response::motion(const Filter& designed, std::size_t axis) const {
+  return Filter(convolved(command(designed).taps(), servo(axis)));
+}
+
 FilterBehind::FilterBehind(const Filter& designed, const Machine& machine, double period) : designed_(designed) {
   const Response response(machine, period);
   if (response.ideal()) return;
   command_ = response.command(designed);
-  motion_ = response.motion(designed);
+  const std::size_t count = servos_differ(machine) ? machine.axes.size() : 1;
+  for (std::size_t a = 0; a < count; ++a) motions_.push_back(response.motion(designed, a));
+  const auto slowest = std::ranges::max_element(motions_, {}, &Filter::mean_delay);
+  slowest_ = static_cast<std::size_t>(slowest - motions_.begin());
+}
+
+int FilterBehind::longest_order() const {
+  int order = designed_.order();
+  for (const Filter& motion : motions_) order = std::max(order, motion.order());
+  return order;
 }
 
 int FilterBehind::felt_order() const {
@@ -106,12 +120,26 @@ bool has_servo(const Machine& machine) {
   return std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) { return has_servo(axis); });
 }
 
-void require_common_servo(const Machine& machine, double period, const char* what) {
-  if (Response(machine, period).common()) return;
-  throw std::invalid_argument(fmt::format(
-      "{} considers one servo of all its axes, without negative taps (servo_gain_1_s, velocity_feedforward, "
-      "response_taps); give every axis the same, or leave them out",
-      what));
+bool servos_differ(const Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [&](const Axis& axis) {
+    const Axis& first = machine.axes.front();
+    return axis.servo_gain != first.servo_gain || axis.velocity_feedforward != first.velocity_feedforward ||
+           axis.response_taps != first.response_taps;
+  });
+}
+
+void give_slowest_servo(Machine& machine, double period) {
+  if (!servos_differ(machine)) return;
+  const auto lag = [&](const Axis& axis) {
+    double samples = 0.0, number = 0.0;
+    for (const double tap : servo_of(axis, period)) samples += tap * number++;
+    return samples;
+  };
+  const Axis slowest = *std::ranges::max_element(machine.axes, {}, lag);
+  for (Axis& axis : machine.axes) {
+    axis.servo_gain = slowest.servo_gain, axis.velocity_feedforward = slowest.velocity_feedforward;
+    axis.response_taps = slowest.response_taps;
+  }
 }
 
 void require_no_servo(const Machine& machine, const char* what) {

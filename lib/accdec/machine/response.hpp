@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <accdec/filter.hpp>
@@ -9,8 +10,8 @@
 
 namespace accdec {
 
-/// What lies between the designed filter and the motion: the control's own smoothing, the same for all axes, and then
-/// the servo of each axis.
+/// The response between the designed filter and the motion: the control's own smoothing, the same for all axes, and
+/// then the servo of each axis.
 ///
 /// The limits of velocity, acceleration, jerk and residual vibration are of the command, which is the designed filter
 /// behind the smoothing. Force, power, regeneration, errors and the smallest speed are of the motion behind the servo.
@@ -44,6 +45,8 @@ class Response {
   /// The same behind the servo: the filter of the motion, as the response is linear and the same for all axes.
   /// @throws std::logic_error unless `common`
   Filter motion(const Filter& designed) const;
+  /// The same of one axis. @throws std::invalid_argument on negative taps
+  Filter motion(const Filter& designed, std::size_t axis) const;
 
  private:
   std::vector<double> prefilter_;
@@ -61,19 +64,24 @@ inline constexpr int response_taps_max = 50'000;
 double response_length(double servo_gain, double velocity_feedforward, double period);
 
 /// The designed filter behind a machine's response, as command and as motion. Without a response both are the filter
-/// itself, which is not copied.
+/// itself, which is not copied. Axes of programs may have different servos, without negative taps.
 class FilterBehind {
  public:
-  /// Keeps the reference to the filter. @throws std::logic_error unless the response is common
+  /// Keeps the reference to the filter. @throws std::invalid_argument on a servo with negative taps
   FilterBehind(const Filter& designed, const Machine& machine, double period);
   FilterBehind(const FilterBehind&) = delete;
   FilterBehind& operator=(const FilterBehind&) = delete;
 
-  bool ideal() const { return !motion_; }
-  /// The motion's filter where it is another; nullptr if ideal.
-  const Filter* servo() const { return motion_ ? &*motion_ : nullptr; }
+  bool ideal() const { return motions_.empty(); }
+  /// The motion's filters where they are others: one for all axes, or one an axis. Empty if ideal.
+  std::span<const Filter> servo() const { return motions_; }
   const Filter& command() const { return command_ ? *command_ : designed_; }
-  const Filter& motion() const { return motion_ ? *motion_ : designed_; }
+  /// The motion's filter; where axes differ, that of the slowest: as if all axes had its servo.
+  const Filter& motion() const { return ideal() ? designed_ : motions_[slowest_]; }
+  const Filter& motion(std::size_t axis) const {
+    return ideal() ? designed_ : motions_[motions_.size() == 1 ? 0 : axis];
+  }
+  int longest_order() const;
   /// By how many samples the motion is longer than the designed filter's.
   int longer() const { return motion().order() - designed_.order(); }
   /// Order of the motion's filter as far as a planner has to see: without a servo's tail of less than 1e-4.
@@ -81,13 +89,17 @@ class FilterBehind {
 
  private:
   const Filter& designed_;
-  std::optional<Filter> command_, motion_;
+  std::optional<Filter> command_;
+  std::vector<Filter> motions_;
+  std::size_t slowest_ = 0;
 };
 
 /// Whether some axis has a servo.
 bool has_servo(const Machine& machine);
-/// @throws std::invalid_argument unless all axes have the same servo without negative taps, or none
-void require_common_servo(const Machine& machine, double period, const char* what);
+/// Whether the servos of two axes differ.
+bool servos_differ(const Machine& machine);
+/// Gives all axes the servo of the one that lags most.
+void give_slowest_servo(Machine& machine, double period);
 /// @throws std::invalid_argument if an axis has a servo, which `what` does not consider
 void require_no_servo(const Machine& machine, const char* what);
 /// The same for the control's own smoothing, too.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/velocity_changes.hpp>
 
 namespace accdec {
 
@@ -235,22 +237,44 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
   return uses;
 }
 
+namespace {
+
+/// All changes excite through the same filter, the first ones earlier.
+double amplitude_left_by(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
+                         double sample_period, double damping) {
+  const double natural = 2.0 * std::numbers::pi * frequency, damped = natural * std::sqrt(1.0 - damping * damping);
+  std::complex<double> left = 0.0;
+  std::int64_t before = changes.front().sample;
+  for (const VelocityChange& change : changes) {
+    const double gap = static_cast<double>(change.sample - before) * sample_period;
+    left = left * std::polar(std::exp(-damping * natural * gap), damped * gap) + change.by;
+    before = change.sample;
+  }
+  return residual_vibration(filter, frequency, sample_period, damping) * std::abs(left) / damped;
+}
+
+}  // namespace
+
 double residual_amplitude(const Filter& filter, double v1, double v2, int delay, double frequency, double sample_period,
                           double damping) {
-  const double natural = 2.0 * std::numbers::pi * frequency, damped = natural * std::sqrt(1.0 - damping * damping);
-  const double gap = delay * sample_period;
-  // Both legs excite through the same filter, the first one earlier.
-  const double legs = std::abs(v2 - v1 * std::polar(std::exp(-damping * natural * gap), damped * gap));
-  return residual_vibration(filter, frequency, sample_period, damping) * legs / damped;
+  return amplitude_left_by(filter, std::array{VelocityChange{0, -v1}, VelocityChange{delay, v2}}, frequency,
+                           sample_period, damping);
 }
 
 LimitUse residual_utilisation(const Filter& filter, double v1, double v2, int delay, double sample_period,
                               const Mode& mode) {
+  return residual_utilisation(filter, std::array{VelocityChange{0, -v1}, VelocityChange{delay, v2}}, sample_period,
+                              mode);
+}
+
+LimitUse residual_utilisation(const Filter& filter, std::span<const VelocityChange> changes, double sample_period,
+                              const Mode& mode) {
   require_in_range(mode);
   const std::function<bool()> never;
-  const WorstDamped search(
-      [&](double f, double z) { return residual_amplitude(filter, v1, v2, delay, f, sample_period, z); }, mode,
-      sample_period * (filter.order() + 1.0 + delay), never);
+  const double duration =
+      sample_period * (filter.order() + 1.0 + static_cast<double>(changes.back().sample - changes.front().sample));
+  const WorstDamped search([&](double f, double z) { return amplitude_left_by(filter, changes, f, sample_period, z); },
+                           mode, duration, never);
   LimitUse use;
   use.kind = LimitKind::residual;
   use.frequency = search.worst().frequency, use.damping = search.worst().damping;

@@ -23,6 +23,7 @@ struct Series {
   Mark mark = Mark::line;
   int style = 0;
   bool solid = false;  ///< a line without the dashes of its style, for lines that take turns along one curve
+  int dash = 0;        ///< of a solid line: the style whose dashes it has, to tell lines of one colour apart
 };
 /// A horizontal limit, drawn dashed across the panel.
 struct LimitLine {
@@ -37,6 +38,7 @@ struct Band {
 struct Circle {
   double x = 0.0, y = 0.0, radius = 0.0;
   std::string label;
+  bool disc = false;  ///< filled, behind everything, in place of a dashed line
 };
 /// A value at each (x[i], y[j]), values[j * x.size() + i]. x and y rise and have at least one value each; they are
 /// positive if the panel's scale is logarithmic. On the scale, a cell reaches half-way to its neighbours. A value that
@@ -77,15 +79,17 @@ struct Panel {
   double taller = 1.0;        ///< its row is this many times the figure's panel height; the largest of a row counts
 };
 
-/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column.
+/// A page of panels, filled row by row. Legends stand to the right of each panel, outside its data, in one column. If
+/// few lines end at the right, each label stands at its line's end. A label that is alone in its panel is a title.
 /// Panels grow beyond the given size where the legend needs it. Titles are wrapped. Labels too long for their place are
 /// shortened in the middle.
 struct Figure {
   std::string title;
   std::vector<Panel> panels;
   int columns = 1;
-  int panel_width = 620;   ///< px, legend included; at least
-  int panel_height = 300;  ///< px, at least
+  bool one_legend = false;  ///< below the title, for all panels: a label means the same in each
+  int panel_width = 620;    ///< px, legend included; at least
+  int panel_height = 300;   ///< px, at least
 };
 
 /// Whether there is anything to draw: a series, heat map, coloured line or circle with a finite point, positive if the

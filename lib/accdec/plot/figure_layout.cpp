@@ -14,7 +14,7 @@ namespace {
 
 constexpr double left = 70, right = 18, top = 30, bottom = 56;  // px around a plot
 constexpr double title_line = 16, heading_line = 20;            // px
-constexpr double legend_sample = 34, long_legend_sample = 58, legend_air = 18;
+constexpr double long_legend_sample = 58, legend_air = 18;
 constexpr double narrowest_plot = 320, closest_lines = 12.6, line_height = 18, colour_bar = 104;
 constexpr double narrow_label = 220, wide_label = 300, longest_label = 420, longest_name = 200;
 constexpr double all_of_a_label = 840;  // px, on several lines
@@ -38,32 +38,29 @@ double character_width(const std::string& text, std::size_t i) {
   return 7.7;
 }
 
-/// Labels of a panel's legend in the order they are drawn, as long as a legend shows them.
-std::vector<std::string> legend_labels(const Panel& panel) {
-  std::vector<std::string> labels;
-  const auto add = [&](const auto& items) {
-    for (const auto& item : items) {
-      if (!item.label.empty()) labels.push_back(legend_label(item.label));
-    }
-  };
-  add(panel.series);
-  add(panel.limits);
-  add(panel.circles);
-  add(panel.bands);
-  return labels;
-}
-
 /// A legend in its lines, px.
 struct Legend {
-  double line = longest_label, width = 0.0;
+  double line = longest_label, width = 0.0, height = 0.0;
   std::size_t lines = 0;
 };
 
 /// The narrowest legend whose lines fit beside a plot `height` px high.
-Legend legend_of(const Panel& panel, double height) {
+Legend legend_of(const Panel& panel, LegendKind kind, double height) {
   Legend legend;
+  if (panel.heat_map || panel.coloured) legend.width = colour_bar;
+  if (legend.width > 0.0 || kind == LegendKind::none || kind == LegendKind::title) return legend;
   const std::vector<std::string> labels = legend_labels(panel);
   double widest = 0.0;
+  if (kind == LegendKind::ends) {
+    for (const std::string& label : labels) {
+      for (const std::string& part : wrapped(label, longest_end_label)) {
+        widest = std::max(widest, text_width(part));
+        legend.height += closest_end_lines;
+      }
+    }
+    legend.width = leader + widest + legend_air;
+    return legend;
+  }
   for (const double line : {narrow_label, wide_label, longest_label}) {
     legend.line = line, legend.lines = 0, widest = 0.0;
     for (const std::string& label : labels) {
@@ -73,7 +70,7 @@ Legend legend_of(const Panel& panel, double height) {
   }
   const double sample = has_marked_lines(panel) ? long_legend_sample : legend_sample;
   if (widest > 0.0) legend.width = widest + sample + legend_air;
-  if (panel.heat_map || panel.coloured) legend.width = colour_bar;
+  legend.height = closest_lines * static_cast<double>(legend.lines) + line_height;
   return legend;
 }
 
@@ -262,6 +259,7 @@ namespace {
 /// Room to the left and the right of every plot, px.
 struct Sides {
   std::vector<double> indent;
+  std::vector<LegendKind> kind;
   std::vector<Legend> legend;
 };
 
@@ -269,7 +267,8 @@ Sides sides_of(const Figure& figure, std::size_t columns) {
   Sides sides;
   for (const Panel& panel : figure.panels) {
     sides.indent.push_back(left + tick_overhang(panel));
-    sides.legend.push_back(legend_of(panel, figure.panel_height - top - bottom));
+    sides.kind.push_back(legend_kind(figure, panel));
+    sides.legend.push_back(legend_of(panel, sides.kind.back(), figure.panel_height - top - bottom));
   }
   const auto share = [&](auto get) {
     for (std::size_t i = 0; i < figure.panels.size(); ++i) {
@@ -313,6 +312,9 @@ PageLayout layout(const Figure& figure) {
   }
   const double heading = page.title.empty() ? 0.0 : 14.0 + heading_line * static_cast<double>(page.title.size());
   page.height = heading;
+  if (figure.one_legend) page.legend = page_legend(figure, page.width);
+  for (LegendPlace& place : page.legend) place.y += heading + 0.5 * legend_row;
+  if (!page.legend.empty()) page.height = page.legend.back().y + legend_row;
   page.panels.resize(count);
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t begin = row * columns, end = std::min(begin + columns, count);
@@ -325,17 +327,17 @@ PageLayout layout(const Figure& figure) {
       p.width = end - begin == 1 ? page.width : widths[i - begin];  // alone in its row, it leaves no empty half
       p.plot_left = x + indent;
       p.plot_width = std::max(p.width - indent - right - sides.legend[i].width, 80.0);
+      p.legend = sides.kind[i];
       p.legend_line = sides.legend[i].line;
       x += p.width;
       // Titles stand over the middle of the plot.
       const double middle = indent + 0.5 * p.plot_width;
-      p.title = wrapped(clean_title(figure.panels[i].title), 2.0 * std::min(middle, p.width - middle) - 12.0);
+      p.title =
+          wrapped(clean_title(panel_title(figure, figure.panels[i])), 2.0 * std::min(middle, p.width - middle) - 12.0);
       titles = std::max(titles, title_line * static_cast<double>(p.title.size() - 1));
     }
     for (std::size_t i = begin; i < end; ++i) {
-      const double lines = static_cast<double>(sides.legend[i].lines);
-      heights[row] = std::max(
-          {heights[row], top + titles + bottom + 60.0, top + titles + bottom + closest_lines * lines + line_height});
+      heights[row] = std::max(heights[row], top + titles + bottom + std::max(60.0, sides.legend[i].height));
     }
     double taller = 1.0;
     for (std::size_t i = begin; i < end; ++i) taller = std::max(taller, figure.panels[i].taller);
@@ -348,6 +350,7 @@ PageLayout layout(const Figure& figure) {
       // Closer if there are many, so that they end with the panel.
       const double lines = static_cast<double>(std::max<std::size_t>(sides.legend[i].lines, 1));
       p.key_spacing = std::clamp((p.plot_height - 4.0) / (line_height * lines), closest_lines / line_height, 1.15);
+      if (p.legend == LegendKind::ends) p.ends = end_places(figure.panels[i], p.plot_top, p.plot_height);
     }
     page.height += heights[row];
   }

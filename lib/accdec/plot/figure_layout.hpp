@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <accdec/plot/figure.hpp>
+#include <accdec/plot/figure_legend.hpp>
 
 namespace accdec {
 
@@ -49,11 +50,14 @@ struct PanelLayout {
   double plot_left = 0.0, plot_top = 0.0, plot_width = 0.0, plot_height = 0.0;
   double key_spacing = 1.0;  ///< of legend lines, in units of 18 px
   double legend_line = 0.0;  ///< px to which the legend's labels are wrapped
+  LegendKind legend = LegendKind::none;
+  std::vector<EndPlace> ends;
   std::vector<std::string> title;
 };
 struct PageLayout {
   double width = 0.0, height = 0.0;
   std::vector<std::string> title;
+  std::vector<LegendPlace> legend;  ///< for all panels
   std::vector<PanelLayout> panels;
 };
 

@@ -6,14 +6,15 @@
 
 namespace accdec::figure_style {
 
-// Style of figures, drawn by gnuplot, by the scripts of pages, by the explorer and by matplotlib in the Python module.
+// Style of figures, drawn by gnuplot, by the scripts of pages and by the explorer.
 
 /// Colours of styles 0, 1, ... of series, repeated cyclically. With the white of the paper they are at least 31 apart
 /// in CIE L*a*b*, also for people who see no red or no green. Two that differ by 2 can just be told apart side by side.
 inline constexpr std::array<const char*, 8> colours{"#000000", "#0b5fa5", "#c8501e", "#021bd0",
                                                     "#ff9a00", "#57b8eb", "#4e442e", "#8a8a8a"};
-/// Styles with a meaning: the design, the limit that binds, the filter of today, a thin line for what is given.
-inline constexpr int design_style = 1, binding_style = 2, baseline_style = 7, thin_style = 16;
+/// Styles with a meaning: the design, the limit that binds, the filter of today, a thin line for what is given, the
+/// speed along the path.
+inline constexpr int design_style = 1, binding_style = 2, baseline_style = 7, thin_style = 16, speed_style = 22;
 /// px on and off.
 inline constexpr std::array<const char*, 8> dashes{"solid",  "(9,4)",          "(9,3,2,3)", "(2,3)",
                                                    "(16,4)", "(12,3,2,3,2,3)", "(4,2)",     "(1,4)"};
@@ -26,6 +27,7 @@ static_assert(dashes.size() * widths.size() == most_lines);
 inline constexpr const char* limit_colour = "#b00020";
 inline constexpr const char* circle_colour = "#606060";
 inline constexpr const char* band_colour = "#d4d4d4";
+inline constexpr const char* disc_colour = "#ececec";
 
 /// Light to dark, so that lightness alone shows the value. The lightest colour differs clearly from the paper, which
 /// means no value.

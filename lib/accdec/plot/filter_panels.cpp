@@ -34,7 +34,7 @@ void add_modes(Panel& panel, const DesignResult& result, double top) {
     if (mode.of_axis()) {  // its bound is an amplitude, not a part
       if (worst && worst->utilisation > most) {
         most = worst->utilisation;
-        panel.title = fmt::format("residual {}:", worst->axis) + use_in_title(*worst);
+        panel.title = fmt::format("residual vibration of {}:", worst->axis) + use_in_title(*worst);
       }
       continue;
     }
@@ -43,7 +43,7 @@ void add_modes(Panel& panel, const DesignResult& result, double top) {
                             {mode.frequency_low - half, mode.frequency_high + half},
                             {level, level},
                             Mark::line,
-                            binds ? binding_style + static_cast<int>(most_lines) / 3 : binding_style,
+                            binds ? binding_style + static_cast<int>(most_lines) / 3 : thin_style,
                             true});
     if (!worst) continue;
     const char* const name = binds ? "binds" : "largest use";
@@ -95,9 +95,8 @@ std::string use_in_title(const LimitUse& use) {
 
 Panel taps_panel(const Filter& filter, const Filter* before) {
   Panel panel;
-  panel.title = fmt::format("filter taps, order {}", filter.order());
+  panel.title = fmt::format("weights of the filter taps, order {}", filter.order());
   panel.x.label = "tap";
-  panel.y.label = "weight";
   const auto taps = [](const Filter& of, std::string label, Mark mark, int style) {
     Series series{std::move(label), {}, {}, mark, style, true};
     for (int i = 0; i <= of.order(); ++i) {
@@ -123,9 +122,8 @@ Panel response_panel(const DesignResult& result, const Filter* before) {
   const Response response(result.task.machine, period);
   const std::vector<Mode>& modes = result.task.machine.modes;
   Panel panel;
-  panel.title = "residual vibration";
+  panel.title = "residual vibration, part of that without a filter";
   panel.x.label = "frequency / Hz";
-  panel.y.label = "amplitude, filtered over commanded";
   panel.y.log = true;
   panel.y.min = 1e-4, panel.y.max = 1.5;
   const Filter filter = response.command(*result.filter);

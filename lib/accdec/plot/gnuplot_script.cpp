@@ -4,11 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <accdec/plot/figure_frame.hpp>
 #include <accdec/plot/figure_layout.hpp>
+#include <accdec/plot/figure_looks.hpp>
 #include <accdec/plot/figure_style.hpp>
 
 namespace accdec {
@@ -39,10 +41,6 @@ std::string quoted(const std::vector<std::string>& lines) {
   return out + "\"";
 }
 
-std::size_t style_index(int style) {
-  return static_cast<std::size_t>(std::max(style, 0));
-}
-
 /// Ten significant digits: more than visible, but fewer than those that differ between machines by rounding.
 std::string number(double x) {
   return std::isfinite(x) ? fmt::format("{:.10g}", x == 0.0 ? 0.0 : x) : "NaN";
@@ -70,19 +68,6 @@ void check(const Panel& panel) {
           "a heat map needs rising x and y, positive on a logarithmic scale, and a value for each pair");
     }
   }
-}
-
-const char* colour_of(const Series& s) {
-  return colours[style_index(s.style) % colours.size()];
-}
-int symbol_of(const Series& s) {
-  return points[style_index(s.style) % points.size()];
-}
-
-std::string line_of(const Series& s) {
-  const std::size_t i = style_index(s.style);
-  return fmt::format("lc rgb '{}' lw {} dt {}", colour_of(s), widths[i / dashes.size() % widths.size()],
-                     s.solid ? "solid" : dashes[i % dashes.size()]);
 }
 
 std::string with(const Series& s) {
@@ -159,13 +144,48 @@ class Writer {
          (place.plot_left + place.plot_width + 8) / page.width, 1.0 - place.plot_top / page.height,
          has_marked_lines(panel) ? "5.6" : "2.6", place.key_spacing);
     line("unset object\nunset colorbox");
+    const bool zero = y.low < 0.0 && y.high > 0.0 && !panel.heat_map && !panel.equal_aspect;
+    line("{}", zero ? "set xzeroaxis lc rgb '#808080' lw 0.8 dt solid" : "unset xzeroaxis");
+    legend_ = place.legend;
+    for (const EndPlace& end : place.ends) end_label(panel.series[end.series], end, place, page);
     plot(panel, x, y, place.legend_line);
+    line("unset arrow\nunset label");
+  }
+
+  void legend(const Figure& figure, const PageLayout& page) {
+    for (const LegendPlace& place : page.legend) {
+      const auto [drawn, point] = sample_of(figure, place.label);
+      constexpr double wide = 26.0;
+      // gnuplot 5.4 keeps the dashes of the line before unless its colour was another.
+      segment(place.x, place.y, place.x, place.y, "lc rgb '#ffffff'", page);
+      if (!drawn.empty()) segment(place.x, place.y, place.x + wide, place.y, drawn, page);
+      if (!point.empty()) text_at(place.x + 0.5 * wide, place.y, "", " point " + point, page);
+      text_at(place.x + legend_sample, place.y, place.label, "", page);
+    }
   }
 
  private:
   template <typename... Args>
   void line(fmt::format_string<Args...> format, Args&&... args) {
     text += fmt::format(format, std::forward<Args>(args)...) + "\n";
+  }
+
+  /// On the page, px from its top left corner.
+  void segment(double x0, double y0, double x1, double y1, const std::string& look, const PageLayout& page) {
+    line("set arrow from screen {:.6f},{:.6f} to screen {:.6f},{:.6f} nohead {}", x0 / page.width,
+         1.0 - y0 / page.height, x1 / page.width, 1.0 - y1 / page.height, look);
+  }
+  void text_at(double x, double y, const std::string& words, const std::string& look, const PageLayout& page) {
+    line("set label {} at screen {:.6f},{:.6f} left{}", quoted(words), x / page.width, 1.0 - y / page.height, look);
+  }
+  /// A label and the line that leads to it.
+  void end_label(const Series& s, const EndPlace& end, const PanelLayout& place, const PageLayout& page) {
+    const double right = place.plot_left + place.plot_width;
+    segment(right + 2.0, end.from, right + leader - 4.0, end.to,
+            fmt::format("lc rgb '{}' lw 1.2 dt solid", colour_of(s)), page);
+    double y = end.to - 0.5 * closest_end_lines * (static_cast<double>(end.lines.size()) - 1.0);
+    for (const std::string& words : end.lines)
+      text_at(right + leader, std::exchange(y, y + closest_end_lines), words, "", page);
   }
 
   /// @param room  px a tick label needs along the axis, 0: its width
@@ -192,8 +212,8 @@ class Writer {
   }
 
   /// A drawn item with its place in the legend, where lines after the first have no sample.
-  static void add(std::vector<std::string>& items, const std::string& item, const std::string& label, double width) {
-    if (label.empty()) {
+  void add(std::vector<std::string>& items, const std::string& item, const std::string& label, double width) const {
+    if (label.empty() || legend_ != LegendKind::column) {
       items.push_back(item + " notitle");
       return;
     }
@@ -209,6 +229,11 @@ class Writer {
     for (const Band& band : panel.bands) {
       line("set object {} rectangle from {},graph 0 to {},graph 1 behind fc rgb '{}' fs solid noborder", ++object,
            number(std::clamp(band.from, x.low, x.high)), number(std::clamp(band.to, x.low, x.high)), band_colour);
+    }
+    for (const Circle& circle : panel.circles) {
+      if (!circle.disc) continue;
+      line("set object {} circle at {},{} size first {} behind fc rgb '{}' fs solid noborder", ++object,
+           number(circle.x), number(circle.y), number(circle.radius), disc_colour);
     }
     std::vector<std::string> items;
     const auto data = [&](const std::vector<double>& xs, const std::vector<double>& ys) {
@@ -236,21 +261,26 @@ class Writer {
                                                                                          // wide one would hide crosses
         items.push_back(fmt::format("{} using 1:2 with {} notitle", at, marks_with(s)));
       }
-      if (!s.label.empty()) draw(fmt::format("NaN with linespoints {}", sample_with(s)), s.label);
+      if (!s.label.empty() && legend_ == LegendKind::column)
+        draw(fmt::format("NaN with linespoints {}", sample_with(s)), s.label);
     }
     if (panel.coloured) items.push_back(coloured(*panel.coloured));
     for (const LimitLine& limit : panel.limits) {
-      draw(fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (7,5)", data({x.low, x.high}, {limit.y, limit.y}),
-                       limit_colour),
+      draw(fmt::format("{} using 1:2 with lines {}", data({x.low, x.high}, {limit.y, limit.y}), limit_line()),
            limit.label);
     }
-    for (const Circle& circle : panel.circles) draw(round(circle, data), circle.label);
+    for (const Circle& circle : panel.circles) {
+      if (!circle.disc)
+        draw(round(circle, data), circle.label);
+      else if (!circle.label.empty())
+        draw("NaN with lines " + band_line(disc_colour), circle.label);
+    }
     for (const Band& band : panel.bands) {
-      if (!band.label.empty()) draw(fmt::format("NaN with lines lc rgb '{}' lw 9", band_colour), band.label);
+      if (!band.label.empty() && legend_ == LegendKind::column) draw("NaN with lines " + band_line(), band.label);
     }
     if (!has_data(panel)) line("set label 2 'no data' at graph 0.5,0.5 center font 'DejaVu Sans,15' tc rgb '#606060'");
     if (items.empty()) items.push_back(fmt::format("{} using 1:2 with dots notitle", data({x.low}, {y.low})));
-    text += "plot " + fmt::format("{}", fmt::join(items, ", \\\n  ")) + "\nunset label 2\n";
+    text += "plot " + fmt::format("{}", fmt::join(items, ", \\\n  ")) + "\n";
   }
 
   template <typename Data>
@@ -262,7 +292,7 @@ class Writer {
       xs.push_back(circle.x + circle.radius * std::cos(turn));
       ys.push_back(circle.y + circle.radius * std::sin(turn));
     }
-    return fmt::format("{} using 1:2 with lines lc rgb '{}' lw 1.3 dt (4,3)", data(xs, ys), circle_colour);
+    return fmt::format("{} using 1:2 with lines {}", data(xs, ys), circle_line());
   }
 
   /// Uses rectangles instead of an image, which gnuplot would put into a separate file.
@@ -311,6 +341,7 @@ class Writer {
   }
 
   int block_ = 0;
+  LegendKind legend_ = LegendKind::none;  ///< of the panel being written
 };
 
 }  // namespace
@@ -330,10 +361,8 @@ std::string gnuplot_script(const Figure& figure) {
     writer.text += fmt::format("set label 1 {} at screen 0.5,{:.6f} center font 'DejaVu Sans,15'\n", quoted(page.title),
                                1.0 - 20.0 / page.height);
   }
-  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    writer.panel(figure.panels[i], page.panels[i], page);
-    if (i == 0) writer.text += "unset label 1\n";
-  }
+  writer.legend(figure, page);
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) writer.panel(figure.panels[i], page.panels[i], page);
   writer.text += "unset multiplot\n";
   return writer.text;
 }

@@ -19,7 +19,7 @@ class PathFollower {
   /// Advances to the block of the next sample. @param x  m @param v  m/s
   void follow(const double* x, const double* v);
   std::size_t block() const { return block_; }
-  /// Where along its block the sample lies, 0 to 1.
+  /// The place of the sample along its block, 0 to 1.
   double part() const { return part_; }
   /// The joint nearer to the sample: at the end of this block, or before it (-1: the start of the program).
   std::ptrdiff_t joint() const { return static_cast<std::ptrdiff_t>(block_) - (part_ < 0.5 ? 1 : 0); }

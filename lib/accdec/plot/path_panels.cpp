@@ -195,18 +195,18 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   panel.series.push_back(legs(now.task.geometry(), plane, 8.0 * window.size() * scale));
   if (now.measures.corner_error > 0.0) panel.series.push_back(error_line(now, plane, scale, unit));
   if (const double tolerance = scale * now.task.error_max.value_or(0.0); tolerance > 0.0) {
-    Series bound = round_line(tolerance);
-    const bool binds = use && use->utilisation > binding;
-    bound.label = fmt::format("tolerance {:.4g} {}{}", tolerance, unit, binds ? ", binds" : "");
-    bound.style = binds ? binding_style + static_cast<int>(most_lines) / 3 : binding_style, bound.solid = binds;
-    panel.series.push_back(std::move(bound));
+    panel.circles.push_back({0.0, 0.0, tolerance, fmt::format("tolerance {:.4g} {}", tolerance, unit), true});
+    if (use && use->utilisation > binding) {
+      Series bound = round_line(tolerance);
+      bound.label = "binds", bound.style = binding_style + static_cast<int>(most_lines) / 3, bound.solid = true;
+      panel.series.push_back(std::move(bound));
+    }
   }
   return panel;
 }
 
 std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion* before) {
   Panel panel;
-  panel.title = "distance from the programmed path";
   panel.x.label = "time from the corner command / ms";
   double most = 0.0;
   for (const CornerMotion* at : {before, &now}) {
@@ -233,7 +233,7 @@ std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion*
   for (Series& series : panel.series) {
     for (double& y : series.y) y *= scale;
   }
-  panel.y.label = fmt::format("distance / {}", unit);
+  panel.title = fmt::format("distance from the programmed path / {}", unit);
   panel.y.min = 0.0;
   return panel;
 }

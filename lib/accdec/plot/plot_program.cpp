@@ -37,7 +37,7 @@ struct DrawnCorners {
 DrawnCorners corners_of(const ProgramResult& result, const ProgramView& view) {
   const Toolpath& path = result.plan.path;
   DrawnCorners corners;
-  corners.servo = result.plan.command() != nullptr && result.plan.command()->moved;
+  corners.servo = result.plan.command() != nullptr && !result.plan.command()->moved.empty();
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.inside_arc[b] != 0) {
       corners.arcs = true;

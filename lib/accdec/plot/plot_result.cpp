@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design.hpp>
+#include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -21,80 +23,36 @@ namespace {
 
 using namespace figure_style;
 
-/// A quantity of an axis with the bounds on it; both in SI.
-struct Quantity {
-  LimitKind kind;
-  double low, high;
+/// Bounds on a quantity, SI.
+struct Bounds {
+  double low = -unlimited, high = unlimited;
+  bool any() const { return low > -unlimited || high < unlimited; }
 };
 
-/// Quantities to draw for an axis: always velocity and acceleration, the others if they are limited. Regeneration is
-/// the lower bound of power.
-std::vector<Quantity> quantities_of(const Axis& axis) {
-  std::vector<Quantity> drawn;
-  for (const AxisLimit& limit : axis_limits) {
-    const double bound = axis.*limit.bound;
-    if (limit.kind == LimitKind::regeneration) {
-      if (!(bound < unlimited)) continue;
-      if (drawn.back().kind == LimitKind::power) {
-        drawn.back().low = -bound;
-      } else {
-        drawn.push_back({LimitKind::power, -bound, unlimited});
-      }
-      continue;
-    }
-    const bool always = limit.kind == LimitKind::velocity || limit.kind == LimitKind::acceleration;
-    if (!always && !(bound < unlimited)) continue;
-    const bool above = limit.kind == LimitKind::power || limit.kind == LimitKind::force_speed;
-    drawn.push_back({limit.kind, above ? -unlimited : -bound, bound});
-  }
-  return drawn;
-}
-
-/// "mm/s^3" as it is printed: "(mm/s³)".
-std::string printed_unit(std::string_view unit) {
-  std::string text(unit);
-  for (const auto& [plain, printed] : {std::pair<std::string_view, std::string_view>{"^2", "²"}, {"^3", "³"}}) {
-    if (const auto at = text.find(plain); at != std::string::npos) text.replace(at, plain.size(), printed);
-  }
-  return text.find('/') == std::string::npos ? text : "(" + text + ")";
+/// Regeneration is the lower bound of power.
+Bounds bounds_of(const Axis& axis, LimitKind kind) {
+  if (kind == LimitKind::power) return {-axis.regeneration_max, axis.power_max};
+  const double bound = axis.*axis_limit(kind).bound;
+  return {kind == LimitKind::force_speed ? -unlimited : -bound, bound};
 }
 
 /// A quantity of an axis over time, in the unit it is drawn in: velocity, acceleration and jerk of the command, loads
 /// of the motion.
-Series curve_of(const Quantity& quantity, const CornerMotion& at, std::size_t axis) {
+Series curve_of(LimitKind kind, const CornerMotion& at, std::size_t axis) {
   const auto column = static_cast<Eigen::Index>(axis);
   const SampledMotion& motion = at.motion;
   const double still = still_part * std::max(motion.velocity.row(motion.cruise_in).norm(),
                                              motion.velocity.row(motion.cruise_out).norm());
   AxisSampler sampler(at.result.task.machine.axes[axis], at.result.task.sample_period, still);
-  Series curve{"", at.time, {}, quantity.kind == LimitKind::velocity ? Mark::line : Mark::steps, design_style, true};
+  Series curve{"", at.time, {}, kind == LimitKind::velocity ? Mark::line : Mark::steps, design_style, true};
   for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) {
     const SampledMotion& command = at.sampled.command;
     const AxisState state = with_load(sampler.next(command.velocity(n, column), command.acceleration(n, column)),
                                       at.result.task.machine.axes[axis], at.motion.velocity(n, column),
                                       at.motion.acceleration(n, column), still);
-    curve.y.push_back(signed_value(state, quantity.kind) * limit_name(quantity.kind).per_si);
+    curve.y.push_back(signed_value(state, kind) * limit_name(kind).per_si);
   }
   return curve;
-}
-
-/// The limit itself, drawn over every sample that reaches it: the upper and the lower one apart, or steps would join
-/// them.
-std::vector<Series> binding_bars(const Series& curve, double low, double high) {
-  std::vector<Series> found;
-  for (const double limit : {high, low}) {
-    Series bars{found.empty() ? "binds" : "", curve.x, {}, Mark::steps, binding_style + most_lines / 3, true};
-    bars.y.assign(curve.y.size(), std::nan(""));
-    bool any = false;
-    for (std::size_t n = 0; n < curve.y.size(); ++n) {
-      if (!std::isfinite(limit) || !(curve.y[n] / limit >= binding)) continue;
-      bars.y[n] = limit;
-      if (n > 0) bars.y[n - 1] = limit;  // a step ends at its sample
-      any = true;
-    }
-    if (any) found.push_back(std::move(bars));
-  }
-  return found;
 }
 
 /// An empty panel over the time in which the design or the filter of today moves.
@@ -111,126 +69,203 @@ Panel time_panel(const CornerMotion& now, const CornerMotion* before) {
   return panel;
 }
 
-/// A quantity over time with its limits, and every sample marked that binds, or else the worst. Limits far beyond the
-/// curve are named in the title instead of flattening the curve.
-void add_curve(Panel& panel, const Quantity& quantity, Series curve) {
-  const LimitName& name = limit_name(quantity.kind);
-  panel.y.label = fmt::format("{} / {}", name.name, printed_unit(name.unit));
-  const double high = quantity.high * name.per_si, low = quantity.low * name.per_si;
-  double peak = 0.0, use = 0.0;
-  std::size_t worst = 0;
-  for (std::size_t n = 0; n < curve.y.size(); ++n) {
-    const double used = std::max(curve.y[n] / high, curve.y[n] / low);
-    if (used > use) use = used, worst = n;
-    peak = std::max(peak, std::abs(curve.y[n]));
+/// The panel of one quantity: curves of the axes in the colour of the design, and of today's filter in grey below them.
+/// Axes differ by their dashes. Every sample that binds is marked, or else the worst one. Limits far beyond all curves
+/// are named in the title instead of flattening the curves.
+class QuantityPanel {
+ public:
+  QuantityPanel(LimitKind kind, std::string_view name, const CornerMotion& now, const CornerMotion* before)
+      : name_(limit_name(kind)), panel_(time_panel(now, before)) {
+    const Unit* const unit = find_unit(name_.unit);
+    panel_.title = fmt::format("{} / {}", name, unit ? unit->printed : name_.unit);
   }
-  constexpr double off_scale = 2.0;
-  std::string beyond;
-  bool labelled = false;
-  for (const double limit : {high, low}) {
-    if (!std::isfinite(limit)) continue;
-    if (std::abs(limit) <= off_scale * peak) {
-      panel.limits.push_back({limit, labelled ? "" : "limit"});
-      labelled = true;
-    } else {
-      beyond += fmt::format("{}{:.6g}", beyond.empty() ? "" : " and ", limit);
+
+  /// @param name  of the axis, empty if there is but one curve  @param dash  that tells it from other axes
+  void add(const std::string& name, int dash, Series curve, const Series* before, const Bounds& bounds) {
+    Line line{name, bounds.low * name_.per_si, bounds.high * name_.per_si};
+    for (std::size_t n = 0; n < curve.y.size(); ++n) {
+      const double used = std::max(curve.y[n] / line.high, curve.y[n] / line.low);
+      if (used > line.use) line.use = used, line.worst = {curve.x[n], curve.y[n]};
+      peak_ = std::max(peak_, std::abs(curve.y[n]));
+    }
+    if (line.use > binding) add_bars(curve, line);
+    lines_.push_back(line);
+    curve.label = name.empty() ? "designed" : name, curve.dash = dash;
+    curves_.push_back(std::move(curve));
+    if (!before) return;
+    Series old = *before;
+    old.label = name.empty() ? "today" : name + " today", old.style = baseline_style, old.dash = dash;
+    panel_.series.push_back(std::move(old));
+  }
+
+  Panel finished() {
+    std::move(curves_.begin(), curves_.end(), std::back_inserter(panel_.series));
+    std::move(bars_.begin(), bars_.end(), std::back_inserter(panel_.series));
+    const auto worst = std::ranges::max_element(lines_, {}, &Line::use);
+    if (worst->use > 0.0) {
+      panel_.title += ": " + uses() + (worst->use > binding ? ", binding" : "");
+      if (worst->use <= binding)
+        panel_.series.push_back({"largest use", {worst->worst.first}, {worst->worst.second}, Mark::points, 0});
+    }
+    add_limits();
+    return std::move(panel_);
+  }
+
+ private:
+  struct Line {
+    std::string name;
+    double low, high, use = 0.0;
+    std::pair<double, double> worst{};
+  };
+
+  /// The limit itself, drawn over every sample that reaches it: the upper and the lower one apart, or steps would join
+  /// them.
+  void add_bars(const Series& curve, const Line& line) {
+    for (const double limit : {line.high, line.low}) {
+      Series bars{bars_.empty() ? "binds" : "", curve.x, {}, Mark::steps, binding_style + most_lines / 3, true};
+      bars.y.assign(curve.y.size(), std::nan(""));
+      bool any = false;
+      for (std::size_t n = 0; n < curve.y.size(); ++n) {
+        if (!std::isfinite(limit) || !(curve.y[n] / limit >= binding)) continue;
+        bars.y[n] = limit;
+        if (n > 0) bars.y[n - 1] = limit;  // a step ends at its sample
+        any = true;
+      }
+      if (any) bars_.push_back(std::move(bars));
     }
   }
-  if (use > 0.0) {
-    panel.title += fmt::format(": {:.1f} % used{}", 100.0 * use, use > binding ? ", binding" : "");
-    if (use > binding) {
-      for (Series& bars : binding_bars(curve, low, high)) panel.series.push_back(std::move(bars));
-    } else {
-      panel.series.push_back({"largest use", {curve.x[worst]}, {curve.y[worst]}, Mark::points, 0});
+
+  /// "x 40.0 %, y 98.2 % used"
+  std::string uses() const {
+    std::string text;
+    for (const Line& line : lines_) {
+      if (!std::isfinite(line.low) && !std::isfinite(line.high)) continue;
+      text += fmt::format("{}{}{}{:.1f} %", text.empty() ? "" : ", ", line.name, line.name.empty() ? "" : " ",
+                          100.0 * line.use);
     }
+    return text + " used";
   }
-  panel.series.insert(panel.series.begin(), std::move(curve));
-  if (!beyond.empty()) panel.title += fmt::format(" (limit {} {} off scale)", beyond, printed_unit(name.unit));
+
+  void add_limits() {
+    constexpr double off_scale = 2.0;
+    std::string beyond, before;
+    for (const Line& line : lines_) {
+      std::string far;
+      for (const double limit : {line.high, line.low}) {
+        const bool known = std::ranges::find(panel_.limits, limit, &LimitLine::y) != panel_.limits.end();
+        if (!std::isfinite(limit) || known) continue;
+        if (std::abs(limit) <= off_scale * peak_)
+          panel_.limits.push_back({limit, panel_.limits.empty() ? "limit" : ""});
+        else if (line.low == -line.high)
+          far = fmt::format(" ±{:.6g}", line.high);
+        else
+          far += fmt::format(" {:.6g}", limit);
+      }
+      // Axes with the same limits are named together.
+      if (far.empty()) continue;
+      beyond += far == before ? "" : (beyond.empty() ? "" : ",") + far;
+      if (lines_.size() > 1) beyond += (far == before ? " and " : " of ") + line.name;
+      before = far;
+    }
+    if (!beyond.empty()) panel_.title += fmt::format("; limit{}, off scale", beyond);
+  }
+
+  const LimitName& name_;
+  Panel panel_;
+  std::vector<Line> lines_;
+  std::vector<Series> curves_, bars_;
+  double peak_ = 0.0;
+};
+
+Series speed_series(const CornerMotion& at, std::string label, int style) {
+  Series speed{std::move(label), at.time, {}, Mark::line, style, true};
+  for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n)
+    speed.y.push_back(1e3 * at.motion.velocity.row(n).norm());
+  return speed;
 }
 
-/// The curve of today below all others, and words for both.
-void add_today(Panel& panel, Series old) {
-  old.label = "today", old.style = baseline_style;
-  panel.series.front().label = "designed";
-  panel.series.insert(panel.series.begin(), std::move(old));
+/// The speed along the path, with the smallest one allowed at the corner.
+void add_speed(Panel& panel, const CornerMotion& now, const CornerMotion* before) {
+  if (before)
+    panel.series.insert(panel.series.begin(), speed_series(*before, "speed today", baseline_style + thin_style));
+  panel.series.insert(panel.series.begin() + (before ? 1 : 0), speed_series(now, "speed", speed_style));
+  const LimitUse* use = use_of(now.result, LimitKind::speed_min, now.task.name);
+  if (!use) return;
+  panel.title += "; smallest speed:" + use_in_title(*use);
+  panel.limits.push_back({1e3 * use->bound, "smallest allowed"});
+  const auto row = static_cast<std::size_t>(now.motion.corner + use->sample);
+  const bool binds = use->utilisation > binding;
+  if (row < now.time.size())
+    panel.series.push_back(
+        {binds ? "binds" : "smallest", {now.time[row]}, {1e3 * use->value}, Mark::points, binds ? binding_style : 0});
 }
 
-/// One quantity of one axis.
-Panel motion_panel(const Quantity& quantity, const CornerMotion& now, const CornerMotion* before, std::size_t index) {
-  const LimitName& name = limit_name(quantity.kind);
-  Panel panel = time_panel(now, before);
-  panel.title = fmt::format("{} {}", name.name, now.result.task.machine.axes[index].name);
-  add_curve(panel, quantity, curve_of(quantity, now, index));
-  if (before) add_today(panel, curve_of(quantity, *before, index));
-  if (now.sampled.moved && quantity.kind == LimitKind::velocity) {
-    Series moved{"motion", now.time, {}, Mark::line, thin_style};
-    for (const double v : now.motion.velocity.col(static_cast<Eigen::Index>(index))) moved.y.push_back(v * name.per_si);
-    panel.series.push_back(std::move(moved));
+/// One quantity of the axes that move: velocity and acceleration of all, others of those with a limit. None without.
+std::optional<Panel> motion_panel(LimitKind kind, const CornerMotion& now, const CornerMotion* before) {
+  const std::vector<Axis>& axes = now.result.task.machine.axes;
+  QuantityPanel panel(kind, kind == LimitKind::force_speed ? "force scaled to standstill" : limit_name(kind).name, now,
+                      before);
+  std::vector<Series> moved;
+  int drawn = 0;
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const Corner& legs = now.task.geometry();
+    const Bounds bounds = bounds_of(axes[axis], kind);
+    const bool always = kind == LimitKind::velocity || kind == LimitKind::acceleration;
+    if ((std::abs(legs.direction_in[a]) <= 1e-12 && std::abs(legs.direction_out[a]) <= 1e-12) ||
+        (!always && !bounds.any()))
+      continue;
+    const std::optional<Series> old = before ? std::optional(curve_of(kind, *before, axis)) : std::nullopt;
+    panel.add(axes[axis].name, drawn, curve_of(kind, now, axis), old ? &*old : nullptr, bounds);
+    if (now.sampled.moved && kind == LimitKind::velocity) {
+      moved.push_back({axes[axis].name + " motion", now.time, {}, Mark::line, thin_style, true, drawn});
+      for (const double v : now.motion.velocity.col(a)) moved.back().y.push_back(v * limit_name(kind).per_si);
+    }
+    ++drawn;
   }
-  return panel;
+  if (drawn == 0) return {};
+  Panel made = panel.finished();
+  std::move(moved.begin(), moved.end(), std::back_inserter(made.series));
+  if (kind == LimitKind::velocity) add_speed(made, now, before);
+  return made;
 }
 
 /// The power of all axes together, on which a machine may have limits of its own.
 Panel total_power_panel(const CornerMotion& now, const CornerMotion* before) {
   const Machine& machine = now.result.task.machine;
-  const Quantity power{LimitKind::power, -machine.regeneration_total_max, machine.power_total_max};
   const auto total = [&](const CornerMotion& at) {
-    Series sum = curve_of(power, at, 0);
+    Series sum = curve_of(LimitKind::power, at, 0);
     for (std::size_t axis = 1; axis < machine.axes.size(); ++axis) {
-      const Series more = curve_of(power, at, axis);
+      const Series more = curve_of(LimitKind::power, at, axis);
       for (std::size_t n = 0; n < sum.y.size(); ++n) sum.y[n] += more.y[n];
     }
     return sum;
   };
-  Panel panel = time_panel(now, before);
-  panel.title = "power of all axes";
-  add_curve(panel, power, total(now));
-  if (before) add_today(panel, total(*before));
-  return panel;
+  QuantityPanel panel(LimitKind::power, "power of all axes", now, before);
+  const std::optional<Series> old = before ? std::optional(total(*before)) : std::nullopt;
+  panel.add("", 0, total(now), old ? &*old : nullptr, {-machine.regeneration_total_max, machine.power_total_max});
+  return panel.finished();
 }
 
-/// The speed along the path, with the smallest one allowed at the corner.
-Panel speed_panel(const CornerMotion& now, const CornerMotion* before) {
-  const auto curve = [](const CornerMotion& at) {
-    Series speed{"", at.time, {}, Mark::line, design_style, true};
-    for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n)
-      speed.y.push_back(1e3 * at.motion.velocity.row(n).norm());
-    return speed;
-  };
-  Panel panel = time_panel(now, before);
-  panel.title = "speed along the path";
-  panel.y.label = "speed / (mm/s)";
-  panel.series.push_back(curve(now));
-  if (const LimitUse* use = use_of(now.result, LimitKind::speed_min, now.task.name)) {
-    panel.title += ":" + use_in_title(*use);
-    panel.limits.push_back({1e3 * use->bound, "smallest allowed"});
-    const auto row = static_cast<std::size_t>(now.motion.corner + use->sample);
-    const bool binds = use->utilisation > binding;
-    if (row < now.time.size())
-      panel.series.push_back(
-          {binds ? "binds" : "smallest", {now.time[row]}, {1e3 * use->value}, Mark::points, binds ? binding_style : 0});
-  }
-  if (before) add_today(panel, curve(*before));
-  return panel;
-}
-
-std::vector<Panel> axis_panels(const CornerMotion& now, const CornerMotion* before, std::size_t axis) {
+/// Every quantity over time, in the order of the table of limits.
+std::vector<Panel> motion_panels(const CornerMotion& now, const CornerMotion* before) {
   std::vector<Panel> panels;
-  for (const Quantity& quantity : quantities_of(now.result.task.machine.axes[axis]))
-    panels.push_back(motion_panel(quantity, now, before, axis));
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.kind == LimitKind::regeneration) continue;  // drawn as power
+    if (std::optional<Panel> panel = motion_panel(limit.kind, now, before)) panels.push_back(*std::move(panel));
+  }
+  if (limits_supply(now.result.task.machine)) panels.push_back(total_power_panel(now, before));
   return panels;
 }
 
-/// Axes with the same quantities side by side, quantity by quantity; others one after the other.
-void add_side_by_side(std::vector<Panel>& panels, std::vector<std::vector<Panel>> axes) {
-  const bool same = std::all_of(axes.begin(), axes.end(), [&](const auto& a) { return a.size() == axes[0].size(); });
-  if (!same || axes.size() != 2) {
-    for (std::vector<Panel>& axis : axes) std::move(axis.begin(), axis.end(), std::back_inserter(panels));
-    return;
+/// Two columns: one until it ends, beside the other.
+std::vector<Panel> side_by_side(std::vector<Panel> left, std::vector<Panel> right) {
+  std::vector<Panel> panels;
+  for (std::size_t i = 0; i < std::max(left.size(), right.size()); ++i) {
+    for (std::vector<Panel>* column : {&left, &right})
+      if (i < column->size()) panels.push_back(std::move((*column)[i]));
   }
-  for (std::size_t i = 0; i < axes[0].size(); ++i) {
-    for (std::vector<Panel>& axis : axes) panels.push_back(std::move(axis[i]));
-  }
+  return panels;
 }
 
 /// The task with the filter of today, its delays as small as they can be; without a filter if it breaks a limit.
@@ -314,24 +349,13 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   Figure figure;
   figure.title = title_of(result, old ? &*old : nullptr, now.measures);
   figure.columns = 2;
-  // A motion that stays on its path has no distance to draw, but a speed that falls to zero.
-  std::optional<Panel> distance = distance_panel(now, before);
-  const bool stays = !distance;
-  figure.panels = {path_panel(now, before), stays ? speed_panel(now, before) : *std::move(distance)};
-  const bool supply_limited = limits_supply(result.task.machine);
-  std::vector<std::vector<Panel>> axes;
-  for (std::size_t axis = 0; axis < result.task.machine.axes.size(); ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    const Corner& legs = now.task.geometry();
-    const bool moves = std::abs(legs.direction_in[a]) > 1e-12 || std::abs(legs.direction_out[a]) > 1e-12;
-    if (moves) axes.push_back(axis_panels(now, before, axis));
-  }
-  add_side_by_side(figure.panels, std::move(axes));
-  if (!stays && (now.task.speed_min > 0.0 || figure.panels.size() % 2 != (supply_limited ? 1U : 0U)))
-    figure.panels.push_back(speed_panel(now, before));
-  if (supply_limited) figure.panels.push_back(total_power_panel(now, before));
-  figure.panels.push_back(response_panel(result, old_filter));
-  figure.panels.push_back(taps_panel(*result.filter, old_filter));
+  figure.one_legend = true;
+  std::vector<Panel> left{path_panel(now, before)};
+  // A motion that stays on its path has no distance to draw.
+  if (std::optional<Panel> distance = distance_panel(now, before)) left.push_back(*std::move(distance));
+  left.push_back(response_panel(result, old_filter));
+  left.push_back(taps_panel(*result.filter, old_filter));
+  figure.panels = side_by_side(std::move(left), motion_panels(now, before));
   for (Panel& panel : figure.panels) {
     for (Series& series : panel.series) thin_out(series);
   }

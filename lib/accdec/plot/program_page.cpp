@@ -32,7 +32,7 @@ std::string rows_of(const ProgramView& view) {
   return rows;
 }
 
-/// m/s; 0 where there are rapid moves only. Where a feed move blends with a rapid one, its feed counts.
+/// m/s; 0 where there are rapid moves only. If a feed move blends with a rapid one, its feed counts.
 double fastest_feed_move(const Toolpath& path, const ProgramMotion& motion) {
   PathFollower follower(path);
   double fastest = 0.0;
@@ -111,7 +111,7 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
       std::string(has_servo(machine) ? behind_servo : "") +
       "<canvas id=\"path\"></canvas>\n<p id=\"info\">&nbsp;</p>\n<canvas id=\"speed\"></canvas>\n"
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
-  page += html_table({{"turn", "joints", "lost, s", "lost by each, ms"}, rows});
+  page += html_table({{"turn", "places", "lost, s", "lost by each, ms"}, rows});
   page += bounds_table(motion);
   page += "<script>\n" + arrays(programmed, machine, motion, from) + std::string(program_script) + "</script>\n" +
           html_foot();

@@ -230,19 +230,17 @@ std::int64_t direct_settling(const DirectMotion& motion, const Toolpath& path, d
   return settled - from;
 }
 
-double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b) {
-  const double* joint = path.asked(b + 1);
-  const std::size_t n = path.dimensions();
-  const bool between = path.joint[b] == Joint::smooth || path.joint[b] == Joint::straight;
+double direct_distance(const DirectMotion& motion, const double* point, std::int64_t first, std::int64_t last,
+                       bool between) {
+  const std::size_t n = motion.position.size();
   double least = std::numeric_limits<double>::infinity();
-  const DirectMotion::Window& window = motion.windows[b];
-  for (std::int64_t k = window.first; k <= window.last; ++k) {
+  for (std::int64_t k = first; k <= last; ++k) {
     const auto i = static_cast<std::size_t>(k);
     double off = 0.0, along = 0.0, length = 0.0;
     for (std::size_t a = 0; a < n; ++a) {
-      const double from = joint[a] - motion.position[a][i];
+      const double from = point[a] - motion.position[a][i];
       off += from * from;
-      if (!between || k == window.last) continue;
+      if (!between || k == last) continue;
       const double way = motion.position[a][i + 1] - motion.position[a][i];
       along += from * way, length += way * way;
     }
@@ -252,13 +250,19 @@ double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_
       double foot = 0.0;
       for (std::size_t a = 0; a < n; ++a) {
         const double way = motion.position[a][i + 1] - motion.position[a][i];
-        const double from = joint[a] - motion.position[a][i] - along / length * way;
+        const double from = point[a] - motion.position[a][i] - along / length * way;
         foot += from * from;
       }
       least = std::min(least, foot);
     }
   }
   return std::sqrt(least);
+}
+
+double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b) {
+  const bool between = path.joint[b] == Joint::smooth || path.joint[b] == Joint::straight;
+  const DirectMotion::Window& window = motion.windows[b];
+  return direct_distance(motion, path.asked(b + 1), window.first, window.last, between);
 }
 
 }  // namespace accdec

@@ -61,6 +61,9 @@ DirectMotion behind_servos(const DirectMotion& command, const Machine& machine, 
 /// of the path.
 std::int64_t direct_settling(const DirectMotion& motion, const Toolpath& path, double within);
 
+/// Least distance of the motion from a point within kept samples, m. @param between  of the polyline through them, too
+double direct_distance(const DirectMotion& motion, const double* point, std::int64_t first, std::int64_t last,
+                       bool between);
 /// Least distance of the motion from the joint at the end of block b within its window, m. For corners and stops it is
 /// the distance of the samples, for the others that of the polyline through them.
 double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b);

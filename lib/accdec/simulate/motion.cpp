@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include <accdec/simulate.hpp>
@@ -43,13 +44,13 @@ struct Stretches {
 /// The commands of a path and its delays, convolved with the filter a buffer at a time.
 class Motion::FilteredSource : public Source {
  public:
-  FilteredSource(const Toolpath& path, const FilteredCommand& command, const Filter& filter, double period)
+  FilteredSource(const Toolpath& path, const FilteredCommand& command, std::span<const Filter> filters, double period)
       : path_(path),
         n_(path.dimensions()),
         period_(period),
         timing_(path, period, command.delays),
-        buffer_(filter, n_, path.point(0)),
-        last_(motion_samples(timing_, filter)) {
+        buffer_(filters, n_, path.point(0)),
+        last_(motion_samples(timing_, *std::ranges::max_element(filters, {}, &Filter::order))) {
     std::copy_n(path.point(0), n_, at_.begin());
     rest(timing_.dwell_samples(path.dwell_first));
   }
@@ -208,8 +209,8 @@ class Motion::SampledSource : public Source {
 
 Motion::Motion(const Plan& plan, double sample_period, bool servo) {
   if (const FilteredCommand* command = plan.command()) {
-    source_ = std::make_unique<FilteredSource>(plan.path, *command, servo ? command->motion() : command->filter,
-                                               sample_period);
+    source_ = std::make_unique<FilteredSource>(
+        plan.path, *command, servo ? command->motion() : std::span(&command->filter, 1), sample_period);
   } else if (plan.trajectory()->is_free()) {
     source_ = std::make_unique<SampledSource>(plan.path, plan.trajectory()->free, sample_period);
   } else {

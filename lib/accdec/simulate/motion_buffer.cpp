@@ -13,17 +13,17 @@ constexpr std::int64_t chunk =
 constexpr int many = 6;  // changes in a window from which on they are filtered as a whole, not one by one
 }  // namespace
 
-MotionBuffer::MotionBuffer(const Filter& filter, std::size_t dimensions, const double* start)
-    : filter_(filter),
-      taps_(filter.taps().begin(), filter.taps().end()),
-      order_(filter.order()),
+MotionBuffer::MotionBuffer(std::span<const Filter> filters, std::size_t dimensions, const double* start)
+    : order_(std::ranges::max_element(filters, {}, &Filter::order)->order()),
       keep_(2 * order_ + 8),
       capacity_(keep_ + chunk),
       axes_(dimensions) {
   const auto size = static_cast<std::size_t>(capacity_), margin = static_cast<std::size_t>(convolve_margin);
   const auto taps = static_cast<std::size_t>(order_) + 1;
-  taps_.insert(taps_.end(), margin, 0.0);
   for (std::size_t a = 0; a < dimensions; ++a) {
+    axes_[a].filter = &filters[filters.size() == 1 ? 0 : a];
+    axes_[a].taps.assign(axes_[a].filter->taps().begin(), axes_[a].filter->taps().end());
+    axes_[a].taps.resize(taps + margin, 0.0);
     axes_[a].command.assign(size + static_cast<std::size_t>(change_window), 0.0);
     axes_[a].acceleration.assign(size + taps + static_cast<std::size_t>(change_window) + margin, 0.0);
     axes_[a].velocity.assign(size, 0.0);
@@ -35,7 +35,7 @@ MotionBuffer::MotionBuffer(const Filter& filter, std::size_t dimensions, const d
 }
 
 void MotionBuffer::step(AxisMotion& axis, std::int64_t index, double by) {
-  add_scaled(axis.acceleration.data() + index, by, taps_.data(), order_ + 1);
+  add_scaled(axis.acceleration.data() + index, by, axis.taps.data(), order_ + 1);
   settled_ = std::max(settled_, number(index) + order_);
 }
 
@@ -43,11 +43,11 @@ void MotionBuffer::apply(AxisMotion& axis, std::int64_t from, std::int64_t to) {
   const std::int64_t count = to - from;
   double* const change = changes_.data() + order_ + 1 + convolve_margin;
   find_changes(axis.command.data() + from, count, change, count_.data());
-  // Where there are few changes, they are filtered one by one and removed. The rest are stretches with many changes.
+  // Changes in stretches with few of them are filtered one by one and removed. The rest have many changes.
   std::int64_t begin = 0, end = 0;
   const auto convolve = [&] {
     if (end <= begin) return;
-    add_convolved(axis.acceleration.data() + from + begin, change + begin, end - begin + order_, taps_.data(),
+    add_convolved(axis.acceleration.data() + from + begin, change + begin, end - begin + order_, axis.taps.data(),
                   order_ + 1);
     settled_ = std::max(settled_, number(from + end - 1) + order_);
   };
@@ -108,9 +108,9 @@ void MotionBuffer::pass_over(std::int64_t count, const double* u, const double* 
   const std::int64_t last = pos_ - 1;
   base_ = sample() + count;
   pos_ = seen_ = 1;
-  const double lag = static_cast<double>(left) + filter_.mean_delay();
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     AxisMotion& axis = axes_[a];
+    const double lag = static_cast<double>(left) + axis.filter->mean_delay();
     std::fill_n(axis.acceleration.begin(), last + order_ + 2, 0.0);  // no change acts longer
     axis.command[0] = axis.velocity[0] = u[a];
     axis.position[0] = end[a] - lag * u[a];
@@ -126,8 +126,8 @@ void MotionBuffer::shift(const double* at) {
     double v = 0.0, lag = 0.0;
     const double* u = axis.command.data() + pos_ - 1;
     for (int i = 0; i <= order_; ++i) {
-      v += filter_.tap(i) * u[-i];
-      lag += filter_.remaining(i + 1) * u[-i];
+      v += axis.filter->tap(i) * u[-i];
+      lag += axis.filter->remaining(i + 1) * u[-i];
     }
     axis.velocity[static_cast<std::size_t>(pos_ - 1)] = v;
     axis.position[static_cast<std::size_t>(pos_ - 1)] = at[a] - lag;

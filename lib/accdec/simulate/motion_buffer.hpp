@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,8 +16,8 @@ namespace accdec {
 /// in m per sample squared.
 class MotionBuffer {
  public:
-  /// At rest in `start`, which is sample 0. Keeps a reference to the filter.
-  MotionBuffer(const Filter& filter, std::size_t dimensions, const double* start);
+  /// At rest in `start`, which is sample 0. Refers to the filters. @param filters  one for all axes, or one an axis
+  MotionBuffer(std::span<const Filter> filters, std::size_t dimensions, const double* start);
 
   /// Number of the last sample made.
   std::int64_t sample() const { return base_ + pos_ - 1; }
@@ -66,6 +67,8 @@ class MotionBuffer {
  private:
   static constexpr int overrun = 4;
   struct AxisMotion {
+    const Filter* filter = nullptr;
+    std::vector<double> taps;          // with zeros after them, as many for every axis
     std::vector<double> command;       // u of every sample
     std::vector<double> acceleration;  // with N + 1 samples of the future
     std::vector<double> velocity, position;
@@ -80,9 +83,7 @@ class MotionBuffer {
     return {values.data() + seen_ - earlier, pos_ - seen_};
   }
 
-  const Filter& filter_;
-  std::vector<double> taps_;  // with zeros after them
-  std::int64_t order_, keep_, capacity_;
+  std::int64_t order_, keep_, capacity_;  // the largest order
   std::int64_t settled_ = 0;
   std::int64_t base_ = 0, pos_ = 1, seen_ = 1;
   std::vector<AxisMotion> axes_;

@@ -34,7 +34,7 @@ ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, do
   time_ = first_sample;
 }
 
-/// Where the motion rests before its first sample.
+/// The point where the motion rests before its first sample.
 ProfileMotion::Point ProfileMotion::start(std::size_t first_leg) {
   pieces_.begin_leg(first_leg);
   if (first_leg > 0 && !pieces_.over()) return pieces_.now().x;

@@ -10,22 +10,6 @@
 
 namespace accdec {
 
-double segment_distance2(const double* a, const double* b, const double* point, std::size_t n) {
-  double along = 0.0, length2 = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double d = b[i] - a[i];
-    along += (point[i] - a[i]) * d;
-    length2 += d * d;
-  }
-  const double t = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
-  double distance2 = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double d = a[i] + t * (b[i] - a[i]) - point[i];
-    distance2 += d * d;
-  }
-  return distance2;
-}
-
 SampleChecker::SampleChecker(const Toolpath& path, const Machine& machine, double sample_period,
                              std::span<double> errors, Broken broken)
     : SampleChecker(path, machine, sample_period, errors, std::move(broken), 0, path.blocks() - 1, 0) {}
@@ -71,13 +55,13 @@ double SampleChecker::value_of(const Worst& worst) const {
   const auto force = [&] { return axis.mass * a + axis.damping * v; };
   const auto rounded = [&] { return axis.mass * worst.da + axis.damping * worst.dv; };  // of a force
   switch (worst.kind) {
-    case LimitKind::velocity: return std::abs(v) - worst.dv;
-    case LimitKind::acceleration: return std::abs(a) - worst.da;
-    case LimitKind::jerk: return std::abs(jerk_[worst.axis]) - worst.dj;
     case LimitKind::force: return std::abs(force()) - rounded();
     case LimitKind::power: return force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
     case LimitKind::regeneration: return -force() * v - rounded() * std::abs(v) - worst.dv * std::abs(force());
-    case LimitKind::force_speed:  // programs refuse it
+    case LimitKind::velocity:
+    case LimitKind::acceleration:
+    case LimitKind::jerk:         // see look_limits
+    case LimitKind::force_speed:  // plans of trajectories refuse it
     case LimitKind::vibration:
     case LimitKind::residual:
     case LimitKind::corner_error:
@@ -91,7 +75,11 @@ double SampleChecker::value_of(const Worst& worst) const {
 
 void SampleChecker::look_limits(std::int64_t place_first, std::int64_t place_last) {
   for (Worst& worst : worst_) {
-    const double value = value_of(worst);
+    // Millions of samples are looked at: the usual limits first.
+    const double value = worst.kind == LimitKind::acceleration ? std::abs(acceleration_[worst.axis]) - worst.da
+                         : worst.kind == LimitKind::velocity   ? std::abs(velocity_[worst.axis]) - worst.dv
+                         : worst.kind == LimitKind::jerk       ? std::abs(jerk_[worst.axis]) - worst.dj
+                                                               : value_of(worst);
     if (!(value > worst.value) && !(value > worst.bound)) continue;
     if (broken_ && value > worst.bound * (1.0 + verification_tolerance)) {
       broken_(std::min(places_[2], place_first), place_last, worst.kind, value / worst.bound);
@@ -111,8 +99,9 @@ void SampleChecker::look_joints(std::int64_t place_first, std::int64_t place_las
                      to = std::min(last, place_last / 2 + 1);
   for (std::int64_t c = from; c <= to; ++c) {
     double& error = errors_[static_cast<std::size_t>(c - 1)];
-    error =
-        std::min(error, segment_distance2(before_.data(), now_.data(), path_.point(static_cast<std::size_t>(c)), n_));
+    const double* const joint = path_.point(static_cast<std::size_t>(c));
+    error = std::min(error, n_ == 3 ? segment_distance2(before_.data(), now_.data(), joint, 3)
+                                    : segment_distance2(before_.data(), now_.data(), joint, n_));
   }
 }
 

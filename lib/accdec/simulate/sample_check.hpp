@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -69,6 +70,25 @@ class SampleChecker {
 };
 
 /// Distance of a point from the segment a to b, all of n values, squared.
-double segment_distance2(const double* a, const double* b, const double* point, std::size_t n);
+inline double segment_distance2(const double* a, const double* b, const double* point, std::size_t n) {
+  double along = 0.0, length2 = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = b[i] - a[i];
+    along += (point[i] - a[i]) * d;
+    length2 += d * d;
+  }
+  double distance2 = 0.0;
+  if (!(along > 0.0) || along >= length2) {  // nearest to an end: most are
+    const double* const end = along > 0.0 ? b : a;
+    for (std::size_t i = 0; i < n; ++i) distance2 += (end[i] - point[i]) * (end[i] - point[i]);
+    return distance2;
+  }
+  const double t = along / length2;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = a[i] + t * (b[i] - a[i]) - point[i];
+    distance2 += d * d;
+  }
+  return distance2;
+}
 
 }  // namespace accdec

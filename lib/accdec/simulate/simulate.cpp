@@ -2,29 +2,36 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/simulate/contour_watch.hpp>
 #include <accdec/simulate/joint_distance.hpp>
 #include <accdec/simulate/limit_watch.hpp>
+#include <accdec/simulate/mode_watch.hpp>
 #include <accdec/simulate/motion_buffer.hpp>
 #include <accdec/simulate/simulate.hpp>
 
 namespace accdec {
 namespace {
 
+const Filter& longest(std::span<const Filter> filters) {
+  return *std::ranges::max_element(filters, {}, &Filter::order);
+}
+
 /// Feeds the commands to the motion buffer and reads joints and limits off it.
 /// @tparam axes  their number; 0: only known at run time
 template <std::size_t axes>
 class Simulator {
  public:
-  Simulator(const CommandTiming& timing, const Filter& filter, std::size_t first, std::span<double> errors,
+  Simulator(const CommandTiming& timing, std::span<const Filter> filters, std::size_t first, std::span<double> errors,
             const SimulationOptions& options)
       : path_(timing.path()),
-        mean_delay_(filter.mean_delay()),
-        order_(filter.order()),
+        mean_delay_(filters.front().mean_delay()),
+        order_(longest(filters).order()),
         errors_(errors),
         options_(options),
-        motion_(filter, path_.dimensions(), path_.point(first)),
+        motion_(filters, path_.dimensions(), path_.point(first)),
         watch_(options.machine, path_.dimensions(), timing.sample_period(), options.blame),
         block_(first) {}
 
@@ -144,8 +151,8 @@ class Simulator {
   double least_error_of(const JointWindow& joint);
 
   const Toolpath& path_;
-  double mean_delay_;   // of the filter, samples
-  std::int64_t order_;  // of the filter
+  double mean_delay_;   // of the first filter, samples
+  std::int64_t order_;  // of the longest filter
   std::span<double> errors_;
   const SimulationOptions& options_;
   MotionBuffer motion_;
@@ -231,9 +238,9 @@ double Simulator<axes>::searched_error_of(const JointWindow& joint) const {
 }
 
 template <std::size_t axes>
-Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+Simulation simulate(const CommandTiming& timing, std::span<const Filter> filters, std::size_t first, std::size_t last,
                     std::span<double> errors, const SimulationOptions& options) {
-  Simulator<axes> simulator(timing, filter, first, errors, options);
+  Simulator<axes> simulator(timing, filters, first, errors, options);
   if (first == 0 && timing.path().dwell_first > 0.0) {
     AxisRow<axes> at{};
     std::copy_n(timing.path().point(0), timing.path().dimensions(), at.begin());
@@ -244,12 +251,12 @@ Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size
   return simulator.finish(timing.path().point(last + 1), last + 1 == timing.path().blocks() ? timing.dwell_last() : 0);
 }
 
-Simulation simulate(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
+Simulation simulate(const CommandTiming& timing, std::span<const Filter> filters, std::size_t first, std::size_t last,
                     std::span<double> errors, const SimulationOptions& options) {
   switch (timing.path().dimensions()) {
-    case 2: return simulate<2>(timing, filter, first, last, errors, options);
-    case 3: return simulate<3>(timing, filter, first, last, errors, options);
-    default: return simulate<0>(timing, filter, first, last, errors, options);
+    case 2: return simulate<2>(timing, filters, first, last, errors, options);
+    case 3: return simulate<3>(timing, filters, first, last, errors, options);
+    default: return simulate<0>(timing, filters, first, last, errors, options);
   }
 }
 
@@ -276,8 +283,8 @@ Simulation simulate_servo(const CommandTiming& timing, const Filter& filter, std
     of_command = limited_by(*options.machine, false), of_motion = limited_by(*options.machine, true);
     commanded.machine = &of_command, options.machine = &of_motion;
   }
-  Simulation result = simulate(timing, filter, first, last, errors, commanded);
-  Simulation behind = simulate(timing, *options.motion, first, last, errors, options);
+  Simulation result = simulate(timing, std::span(&filter, 1), first, last, errors, commanded);
+  Simulation behind = simulate(timing, options.motion, first, last, errors, options);
   result.limits.insert(result.limits.end(), behind.limits.begin(), behind.limits.end());
   const auto place = [&](const LimitUse& use) {
     if (use.axis.empty()) return program_axis_count * axis_limits.size();  // the supply stands behind all axes
@@ -300,8 +307,23 @@ Simulation simulate_servo(const CommandTiming& timing, const Filter& filter, std
 
 Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
                             std::span<double> errors, const SimulationOptions& options) {
-  return options.motion != nullptr ? simulate_servo(timing, filter, first, last, errors, options)
-                                   : simulate(timing, filter, first, last, errors, options);
+  SimulationOptions watched = options;
+  const std::span<const Filter> motion = options.motion.empty() ? std::span(&filter, 1) : options.motion;
+  std::optional<ContourWatch> contour;
+  if (timing.path().contour_max < unlimited) {
+    contour.emplace(timing, longest(motion).order(), first, last);
+    watched.samples = [&](std::int64_t k, std::int64_t count, const double* const* position,
+                          const double* const* velocity) {
+      contour->look(k, count, position);
+      if (options.samples) options.samples(k, count, position, velocity);
+    };
+  }
+  Simulation result = options.motion.empty() ? simulate(timing, motion, first, last, errors, watched)
+                                             : simulate_servo(timing, filter, first, last, errors, watched);
+  if (contour) contour->finish(result);
+  if (options.machine != nullptr && has_mode_of_axis(*options.machine))
+    watch_modes(timing, filter, first, last, *options.machine, result);
+  return result;
 }
 
 std::int64_t motion_samples(const CommandTiming& timing, const Filter& filter) {

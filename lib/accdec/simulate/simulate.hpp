@@ -27,7 +27,7 @@ struct SimulationOptions {
   const Machine* machine = nullptr;  ///< as many axes as the path; none: limits are not checked
   bool blame = false;                ///< find the blocks during whose command a limit is broken, see Simulation::broken
   SampleSink samples;                ///< if set, gets every sample, including those of steady motion
-  const Filter* motion = nullptr;    ///< behind the servo, see simulate_program; none: the filter itself
+  std::span<const Filter> motion{};  ///< behind the servo, see simulate_program; none: the filter itself
   bool whole_windows = false;        ///< search the whole window of every joint, see the errors of simulate_program
 };
 
@@ -38,6 +38,13 @@ struct Simulation {
   std::vector<LimitUse>
       limits;  ///< worst use of every finite axis limit; `sample` counts from the start of the program
   std::vector<std::uint32_t> broken;  ///< blocks commanded (or about to be, after their delay) when a limit was broken
+  /// Points of the path where the motion leaves the blocks by more than Toolpath::contour_max, ascending. Point b + 1
+  /// is that of joint b.
+  struct OffPath {
+    std::uint32_t point = 0;
+    double use = 0.0;  ///< of what is allowed
+  };
+  std::vector<OffPath> off;
 };
 
 /// Filters the command samples of a program and follows the motion sample by sample.
@@ -48,14 +55,17 @@ struct Simulation {
 /// instruction. Stretches of steady motion are passed over in one step. Velocity and
 /// position are computed from the command again every few thousand samples, so that rounding does not accumulate.
 ///
-/// With `options.motion`, the filter is that of the command. Errors, loads and the sink's samples are then of the
-/// motion behind the servo, all other limits and the number of samples of the command.
+/// With `options.motion`, one filter for all axes or one an axis, the filter is that of the command. Errors, loads and
+/// the sink's samples are then of the motion behind the servo, all other limits and the number of samples of the
+/// command.
+///
+/// Limits of a path (Toolpath::contour_max, see ContourWatch) and of modes of axes (ModeWatch) stand behind all others.
 ///
 /// @param first, last  blocks to simulate; the motion begins and ends at rest there
 /// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window
 /// [reached, left +
 ///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and
-///                     straight joints, m; N is the order of the motion's filter. Where moves overlap a
+///                     straight joints, m; N is the order of the motion's filter. If moves overlap, a
 ///                     path may come near a joint more than once; unless the whole windows are asked for, an approach
 ///                     that is within the tolerance is taken for the nearest
 Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,

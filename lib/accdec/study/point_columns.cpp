@@ -159,8 +159,12 @@ PointOutcome slowed_down(const Task& task) {
   o.result.filter = make_filter(filter_of(task));
   double lost = 0.0;
   for (const TaskCorner& corner : task.corners) {
-    const SlowDown s =
-        slow_down(*o.result.filter, corner.geometry(), task.sample_period, corner.error_max.value_or(unlimited));
+    // Both distances fall with the feed: at the one that the contour allows, the error is that part of its own.
+    const CornerMeasures fast = measure(Blend(*o.result.filter, corner.geometry(), 0, task.sample_period));
+    double allowed = corner.error_max.value_or(unlimited);
+    if (corner.contour_max && fast.contour_deviation > *corner.contour_max)
+      allowed = std::min(allowed, fast.corner_error * *corner.contour_max / fast.contour_deviation);
+    const SlowDown s = slow_down(*o.result.filter, corner.geometry(), task.sample_period, allowed);
     lost += corner.weight * s.lost_time;
     o.slowed_to = std::min(o.slowed_to, s.factor);
   }

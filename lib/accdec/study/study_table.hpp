@@ -49,7 +49,7 @@ class StudyTable {
     std::unordered_map<std::string, std::uint32_t> known;
     void push(const std::string& text);
   };
-  /// Where the values of a column go.
+  /// The values of a column go here.
   struct Column {
     std::vector<double>* numbers = nullptr;
     Words* words = nullptr;

@@ -37,14 +37,12 @@ class BlendCheck {
         task_(task),
         period_(task.sample_period),
         limits_(limits),
-        command_(limits.command()),
         legs_(corner.geometry()) {}
 
   bool holds(int delay) {
     // The error first: it takes a few samples, the limits all of them.
     return error_holds(delay) && contour_holds(delay) &&
-           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay) &&
-           residuals_hold(delay);
+           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay);
   }
 
   /// The cheapest part of it.
@@ -59,16 +57,6 @@ class BlendCheck {
     if (!corner_.contour_max) return true;
     const double deviation = measure(Blend(filter_, corner_.geometry(), delay, period_)).contour_deviation;
     return judged_distance(deviation) <= *corner_.contour_max * formula_slack;
-  }
-  /// Modes of axes that both legs move; for others the blend is a start or a stop.
-  bool residuals_hold(int delay) const {
-    return std::all_of(task_.machine.modes.begin(), task_.machine.modes.end(), [&](const Mode& mode) {
-      if (!mode.of_axis()) return true;
-      const auto a = static_cast<std::size_t>(mode.axis);
-      if (legs_.in[a] == 0.0 || legs_.out[a] == 0.0) return true;
-      return residual_utilisation(command_, legs_.in[a], legs_.out[a], delay, period_, mode).utilisation <=
-             formula_slack;
-    });
   }
   bool speed_holds(int delay) const {
     if (!(corner_.speed_min > 0.0)) return true;
@@ -90,7 +78,6 @@ class BlendCheck {
   const Task& task_;
   double period_;
   const BlendLimits& limits_;
-  const Filter& command_;
   LegVelocities legs_;
   int hint_ = 0;
 };

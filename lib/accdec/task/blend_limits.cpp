@@ -20,6 +20,11 @@ BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sa
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     if (limited(machine.axes[a])) limited_.push_back(a);
   }
+  for (const Mode& mode : machine.modes) {
+    if (!mode.of_axis()) continue;
+    residuals_.push_back({&mode, residual_utilisation(filter_, 0.0, 1.0, 0, period_, mode).utilisation});
+    slowest_ = std::max(slowest_, static_cast<int>(std::min(1e6, std::ceil(1.0 / (mode.frequency_low * period_)))));
+  }
 }
 
 AxisState BlendLimits::peak_at(const Axis& axis, double speed) const {
@@ -78,12 +83,17 @@ double BlendLimits::start_factor(const double* velocity, Binding* binding) const
     };
     allow(largest_factor(holds), limit.kind, machine_.axes.size());
   }
+  for (const Residual& residual : residuals_) {
+    const auto a = static_cast<std::size_t>(residual.mode->axis);
+    const double use = std::abs(velocity[a]) * residual.of_one;
+    if (use > 1.0) allow(1.0 / use, LimitKind::residual, a);
+  }
   return factor;
 }
 
 bool BlendLimits::any_delay_holds(const double* in, const double* out, int from) const {
-  if (limits_supply(machine_)) return false;  // not known without the samples
-  const bool merge = from == 0;               // without delay the steps merge
+  if (limits_supply(machine_) || !residuals_.empty()) return false;  // not known without the samples
+  const bool merge = from == 0;                                      // without delay the steps merge
   for (const std::size_t a : limited_) {
     const Axis& axis = machine_.axes[a];
     const double v1 = std::abs(in[a]), v2 = std::abs(out[a]), change = std::abs(out[a] - in[a]);
@@ -130,11 +140,32 @@ AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, 
   };
   const AxisState command = sampler.next(velocity(filter_), acceleration(filter_));
   if (behind_.ideal()) return command;
-  return with_load(command, axis, velocity(behind_.motion()), acceleration(behind_.motion()), still);
+  const Filter& motion = behind_.motion(static_cast<std::size_t>(&axis - machine_.axes.data()));
+  return with_load(command, axis, velocity(motion), acceleration(motion), still);
 }
 
 bool BlendLimits::holds(const double* in, const double* out, int delay, double slack, int* hint) const {
-  const int last = behind_.motion().order() + delay + settling;
+  return axes_hold(in, out, delay, slack, hint) && residuals_hold(in, out, delay, slack);
+}
+
+bool BlendLimits::residuals_hold(const double* in, const double* out, int delay, double slack) const {
+  return std::ranges::all_of(residuals_, [&](const Residual& residual) {
+    const auto a = static_cast<std::size_t>(residual.mode->axis);
+    const double v1 = in[a], v2 = out[a];
+    const Mode& mode = *residual.mode;
+    if (v1 == 0.0 || v2 == 0.0) return std::max(std::abs(v1), std::abs(v2)) * residual.of_one <= slack;
+    if ((std::abs(v1) + std::abs(v2)) * residual.of_one <= slack) return true;
+    // Most delays that fail do so at an end of the ranges.
+    for (const double f : {mode.frequency_low, mode.frequency_high}) {
+      if (residual_amplitude(filter_, v1, v2, delay, f, period_, mode.damping_low) > slack * mode.displacement_max)
+        return false;
+    }
+    return residual_utilisation(filter_, v1, v2, delay, period_, mode).utilisation <= slack;
+  });
+}
+
+bool BlendLimits::axes_hold(const double* in, const double* out, int delay, double slack, int* hint) const {
+  const int last = behind_.longest_order() + delay + settling;
   const double still = dry_ ? still_speed(in, out, machine_.axes.size()) : 0.0;
   if (hint != nullptr) {
     for (const int k : {*hint, *hint + 1}) {
@@ -159,7 +190,7 @@ bool BlendLimits::supply_holds(const double* in, const double* out, int delay, d
   if (!limits_supply(machine_)) return true;
   std::vector<AxisSampler> samplers;
   for (const Axis& axis : machine_.axes) samplers.emplace_back(axis, period_, still);
-  for (int k = 0; k <= behind_.motion().order() + delay + settling; ++k) {
+  for (int k = 0; k <= behind_.longest_order() + delay + settling; ++k) {
     double power = 0.0;
     for (std::size_t a = 0; a < samplers.size(); ++a)
       power += state(samplers[a], machine_.axes[a], in[a], out[a], delay, k, still).motoring;
@@ -168,17 +199,26 @@ bool BlendLimits::supply_holds(const double* in, const double* out, int delay, d
   return true;
 }
 
-int BlendLimits::smallest(const double* in, const double* out, int from, bool& possible) const {
+int BlendLimits::smallest(const double* in, const double* out, int from, bool& possible, bool stop) const {
   if (any_delay_holds(in, out, from)) return from;
-  if (holds(in, out, from)) return from;
-  const int apart = behind_.motion().order() + settling;
-  if (from >= apart || !holds(in, out, apart)) {
-    possible = false;
-    return from;
+  const bool alone = !stop || std::ranges::all_of(residuals_, [&](const Residual& residual) {
+    const auto a = static_cast<std::size_t>(residual.mode->axis);
+    return std::max(std::abs(in[a]), std::abs(out[a])) * residual.of_one <= surely_granted;
+  });
+  const auto held = [&](int delay) {
+    return axes_hold(in, out, delay, surely_granted, nullptr) &&
+           (stop || residuals_hold(in, out, delay, surely_granted));
+  };
+  if (alone && held(from)) return from;
+  // Legs that do not overlap change only the phase of modes with their delay.
+  const int apart = behind_.longest_order() + settling, last = stop ? apart : apart + slowest_;
+  if (alone && from < last && axes_hold(in, out, apart, surely_granted, nullptr)) {
+    for (int delay = from + 1; delay <= last; ++delay) {
+      if (held(delay)) return delay;
+    }
   }
-  int delay = from + 1;
-  while (delay < apart && !holds(in, out, delay)) ++delay;
-  return delay;
+  possible = false;
+  return from;
 }
 
 LegVelocities::LegVelocities(const Corner& corner) : rest(static_cast<std::size_t>(corner.axes()), 0.0) {

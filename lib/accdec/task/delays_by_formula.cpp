@@ -23,7 +23,7 @@ bool ramps_hold(const BlendLimits& limits, const Task& task) {
   return true;
 }
 
-/// What starts and stops leave the modes of axes with: the faster leg counts.
+/// Whether starts and stops leave the modes of axes within their bounds: the faster leg counts.
 bool residuals_of_legs_hold(const Filter& command, const Task& task) {
   for (const Mode& mode : task.machine.modes) {
     if (!mode.of_axis()) continue;

@@ -105,7 +105,7 @@ std::string milliseconds(double seconds) {
   return fmt::format("{:.6g} ms", 1e3 * seconds);
 }
 
-/// What free taps would take, or at least take.
+/// The time that free taps would take, or at least take.
 std::string beside_taps(const DesignResult& result) {
   const double time = result.objective();
   const auto part = [&](double other) { return fmt::format("{:.1f} %", 100.0 * (time - other) / time); };

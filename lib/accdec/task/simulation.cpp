@@ -58,7 +58,7 @@ class Servo {
   long double keeps_ = 0.0L, takes_ = 0.0L, error_ = 0.0L;
 };
 
-/// Where the samples of one axis go.
+/// The samples of one axis go here.
 class Column {
  public:
   Column(SampledMotion& motion, Eigen::Index axis, double period, long double start)

@@ -117,14 +117,18 @@ double displacement_left(std::span<const double> changes, double frequency, doub
   return amplitude_left(changes, frequency, damping, period) / damped;
 }
 
+LimitUse verified_residual(std::span<const double> changes, const Mode& mode, double period) {
+  const auto left = [&](double f, double z) { return displacement_left(changes, f, z, period); };
+  return Scan(left, mode, period, changes.size()).use();
+}
+
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,
                            const TaskCorner& corner, int order, int delay, double period) {
   LimitUse worst;
   for (const Event event : {Event::start, Event::blend, Event::stop}) {
     const std::vector<double> changes =
         velocity_changes(command, event, static_cast<std::size_t>(mode.axis), order, delay, corner.geometry());
-    const auto left = [&](double f, double z) { return displacement_left(changes, f, z, period); };
-    LimitUse use = Scan(left, mode, period, changes.size()).use();
+    LimitUse use = verified_residual(changes, mode, period);
     use.event = event;
     use.sample = static_cast<std::int64_t>(changes.size());
     // Among events that differ only by rounding, readers expect the first.

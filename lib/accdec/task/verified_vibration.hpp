@@ -20,8 +20,10 @@ LimitUse verified_vibration(const Filter& filter, const Mode& mode, double perio
 /// @param order  of the command's filter  @param legs  of the corner, to tell whether leg 2 moves the axis
 std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int order, int delay,
                                      const Corner& legs);
-/// What those changes leave a mode of the axis with, m.
+/// The displacement that those changes leave a mode of the axis with, m.
 double displacement_left(std::span<const double> changes, double frequency, double damping, double period);
+/// Use of the bound of a mode of an axis by those changes, with its worst frequency and damping.
+LimitUse verified_residual(std::span<const double> changes, const Mode& mode, double period);
 /// Use of the bound of a mode of an axis at one corner: the worst of its three events.
 /// @param order  of the command's filter
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,

@@ -33,7 +33,7 @@ double origin_to_segment(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return (a + t * (b - a)).norm();
 }
 
-/// Where a corner's limits are used most; k of its blend.
+/// The samples where a corner's limits are used most; k of its blend.
 struct WorstSamples {
   int error = 0, speed = 0, contour = 0;
 };

@@ -200,8 +200,9 @@ std::string shape_title(Shape shape, int pairs = 0, double outer = zvd_outer);
 /// The filter, with its pairs. @throws std::invalid_argument as the shapes do.
 Filter make_filter(const FilterSpec& spec);
 
-/// What sets a filter apart within its family, in the words of task files: "ramp = 3", "lengths = [8, 5, 2], ZV 12";
-/// may be empty. Real parameters have four digits, for people; files that are read again need all.
+/// The parameters that set a filter apart within its family, in the words of task files: "ramp = 3",
+/// "lengths = [8, 5, 2], ZV 12"; may be empty. Real parameters have four digits, for people; files that are read again
+/// need all.
 enum class Digits { four, all };
 std::string describe_parameters(const FilterSpec& spec, Digits digits = Digits::four);
 

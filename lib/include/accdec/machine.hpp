@@ -78,7 +78,7 @@ struct Machine {
   double position_unit = 0.0;                 ///< m, positions are output as whole numbers of it; 0: as decimals
 };
 
-/// What limits bound: of an axis, of the filter, of a corner.
+/// The quantities that limits bound: of an axis, of the filter, of a corner.
 enum class LimitKind {
   velocity,
   acceleration,

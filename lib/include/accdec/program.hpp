@@ -26,6 +26,7 @@ struct PlanTime {
   std::string plan;       ///< "fixed", "profiles" or "free"
   double time = 0.0;      ///< s, simulated
   bool verified = false;  ///< every sample, all bounds
+  std::string broken{};   ///< else the worst of what it breaks
 };
 
 /// The findings of a check of every sample of a motion.
@@ -83,7 +84,7 @@ struct ProgramSettings {
 /// The treatment of programmed feeds.
 enum class Feeds {
   keep,           ///< commanded as they are, except in blocks that would break a limit
-  choose,         ///< upper bounds: feeds and steps of feed inside blocks are chosen, see schedule_feeds
+  choose,         ///< upper bounds: feeds and steps of feed inside blocks are chosen
   choose_only,    ///< as choose, but without the additional plan that keeps them
   choose_fitting  ///< as choose, with a filter that was designed for chosen feeds: the plan that keeps them is only
                   ///< refined if it comes near
@@ -113,6 +114,12 @@ struct AxisLoad {
   double rms_max = unlimited;  ///< N, the axis' rating
 };
 
+/// The point of an arc that uses most of what the motion may be off it.
+struct ArcError {
+  double error = 0.0, tolerance = 0.0;  ///< m
+  std::uint32_t line = 0;
+};
+
 /// The motion behind the servo, where it is not the command.
 struct ServoReport {
   double settling = 0.0;    ///< s, from the end of the command until the motion stays within `within` of its end
@@ -120,7 +127,7 @@ struct ServoReport {
   double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
 };
 
-/// What `accdec program` answers, whatever the plan; `accdec.program/2` in JSON.
+/// The answer of `accdec program`, whatever the plan; `accdec.program/2` in JSON.
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
@@ -129,7 +136,7 @@ struct ProgramResult {
   Plan plan;
   std::vector<double> errors;         ///< m, of the joint at the end of every block of the plan's path
   SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
-  std::size_t programmed_blocks = 0;  ///< that move, see blocks_of
+  std::size_t programmed_blocks = 0;  ///< that move
   std::size_t programmed_moves = 0;   ///< straight moves of the program, chords of its arcs one by one; the plan's path
                                       ///< has more where it steps its feeds
   bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
@@ -143,7 +150,8 @@ struct ProgramResult {
   double worst_error = 0.0;           ///< m, over joints that have a tolerance
   double worst_utilisation = 0.0;     ///< error/tolerance, and its line
   std::uint32_t worst_line = 0;
-  std::size_t worst_shown = 5;            ///< corners that JSON and the summary list, see worst_corners
+  std::optional<ArcError> arcs;           ///< of programs with arcs of up to `several_plans_max` blocks
+  std::size_t worst_shown = 5;            ///< corners that JSON and the summary list
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays
   std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
@@ -153,9 +161,8 @@ struct ProgramResult {
                                                 ///< of an arc are one block), as the plan at the programmed feeds
   std::string exact_stop_breaks;                ///< the limit that this nevertheless breaks most; empty: it holds all
   std::optional<double> cycle_time_no_delay;    ///< s, of a command: no delay but where the program stops
-  double lower_bound =
-      0.0;  ///< s, see program_lower_bound; at the programmed feeds, rapid moves at their axes' largest velocity
-  std::optional<double> filter_bound;       ///< s, see filter_lower_bound; at the programmed feeds, where asked for
+  double lower_bound = 0.0;  ///< s, of any motion; at the programmed feeds, rapid moves at their axes' largest velocity
+  std::optional<double> filter_bound;       ///< s, of filters and delays; at the programmed feeds, where asked for
   std::optional<CornerBound> corner_bound;  ///< by whoever asks for it
   std::int64_t peak_memory = 0;             ///< bytes of the process, by whoever runs it; 0: not asked for
   std::vector<PlanTime> candidates;         ///< plans that were made beside this one
@@ -185,7 +192,7 @@ std::vector<std::string> parameters_of_control(std::string_view control);
 /// @param machine  the task's; axes are found by their names
 /// @param given    parameters by their names, in the units of ControlParameter
 /// @throws std::invalid_argument for an unknown control or parameter, a value out of its range, an axis other than X Y
-///         Z, and for a moving axis without acceleration limit
+///         Z (of linuxcnc-2.9: none), and for a moving axis without acceleration limit
 ControlEstimate estimate_time(const Toolpath& path, const Machine& machine, std::string_view control,
                               const std::map<std::string, double>& given = {});
 
@@ -207,7 +214,7 @@ std::string estimate_text(const ControlEstimate& estimate, double plan_time);
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {});
 
-/// Plans profiles (see plan_profiles), samples and verifies them. The bounds are left to whoever asks for them.
+/// Plans profiles, samples and verifies them. The bounds are left to whoever asks for them.
 /// @throws std::invalid_argument for vibration bounds that no last filter holds, and for delays that the program brings
 ///         along: they belong to a filter that this plan does not have
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline = {});
@@ -223,7 +230,7 @@ std::vector<std::string> control_needs(const ProgramResult& result);
 /// Blocks of a path as it was read; the chords of an arc are one.
 std::size_t blocks_of(const Toolpath& programmed);
 
-/// Largest distance by which points of arcs were moved out, m, see compensate_arcs.
+/// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double widest(const Toolpath& path);
 
 /// A joint and the part of its tolerance that it uses.
@@ -239,12 +246,12 @@ struct CornerUse {
 /// once, with the worst error.
 std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
 
-/// Ends with a line feed. In program_report_json.cpp.
+/// Ends with a line feed.
 std::string program_to_json(const ProgramResult& result);
 /// The delays of a plan fixed: line,delay_samples,corner_error_m,error_max_m; one row a joint that turns, stops or has
 /// a delay. The last is empty without bound.
 std::string delays_to_csv(const ProgramResult& result);
-/// The table for people. In program_summary.cpp.
+/// The table for people.
 std::string program_summary(const ProgramResult& result);
 
 /// Writes a plan fixed as a program for a controller that filters its commands. A delayed joint is followed by a dwell
@@ -252,7 +259,6 @@ std::string program_summary(const ProgramResult& result);
 /// mode of every joint (G61.1, G61, G64 P) are written, too. Arcs become their chords, in mm and absolute. Stops,
 /// dwells and words that are not about motion stay in place. Read with ToolpathOptions::dwells_before_filter, the
 /// program plans to the same motion, except for the way to where it begins.
-/// In emit.cpp.
 void emit_program(const ProgramResult& result, std::ostream& out);
 
 /// The filter for a program whose task leaves it open. Candidates are designed for the representative task, by
@@ -281,15 +287,38 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
                                       const std::function<void(const std::string&)>& progress,
                                       const Deadline& deadline = {});
 
+/// The plans of a program.
+///
+/// fixed: one filter for all of it.
+///
+/// profiles: a filter and a speed at every corner, or one filter if that is faster.
+///
+/// free: a position for every sample.
+enum class PlanKind { fixed, profiles, free };
+
+/// Options of plan fixed.
+struct FixedOptions {
+  Feeds feeds = Feeds::choose;
+  bool filter_bound = false;  ///< also the bound on filters and delays, by linear programs
+};
+
+/// Options of plan free. Its answer depends on the time limit only.
+struct FreeOptions {
+  int threads = 1;                                             ///< that shorten the motion
+  int sweeps = 10;                                             ///< over all samples, at most
+  std::function<void(double seconds, double share)> progress;  ///< time gained so far, part of the work done
+};
+
 /// How a program file is read and planned. Unset options follow from the task and the feeds.
 struct ProgramFileOptions {
+  PlanKind plan = PlanKind::fixed;
   std::optional<double> arc_tolerance;  ///< m, largest distance of a chord from its arc; none: chord_tolerance, 2 um
                                         ///< where feeds are kept, which does not see accelerations along an arc
-  bool compensate_arcs = false;         ///< the commanded radius is widened, see compensate_arcs
+  bool compensate_arcs = false;         ///< the commanded radius is widened by the radius error of the filter
   ProgramTools tools;                   ///< for programs that rs274 has to run
   bool rapid_stops = false, dwells_before_filter = false;  ///< see ToolpathOptions
-  Feeds feeds = Feeds::choose;
-  bool filter_bound = false;         ///< see run_program
+  FixedOptions fixed;
+  FreeOptions free;
   std::optional<double> time_limit;  ///< s, for all: a filter gets half of it; none: a filter 2 s and 5 ms a block, at
                                      ///< most 60, and planning as long as it takes
   Deadline deadline;                 ///< of `time_limit`, from when the command began
@@ -317,27 +346,18 @@ double chord_tolerance(const Task& task);
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell);
 
-/// Chooses the filter, plans and verifies what was read. The filter is the task's, the one in a program that --emit
-/// wrote, or one designed for the program. If none holds, the result is failed and says why.
+/// Plans and verifies what was read, as `accdec program` does, with the bounds of any motion.
 ///
-/// If arcs were read in finer chords than kept feeds need (see ProgramFileOptions), the program is also planned with
-/// the longer chords. The faster plan is the answer: under long filters fine chords are no better, and kept feeds need
-/// the longer ones. If the filter was designed for chosen feeds, the plan of kept feeds with its own filter is a
-/// candidate, too: chosen feeds are never slower. With compensated arcs the program is first planned without
-/// compensation. If that is faster, it is the answer, and ProgramResult::compensation says so.
+/// * fixed: the filter is the task's, the one in a program that --emit wrote, or one designed for the program. If none
+///   holds, the result has no plan and says why.
+/// * profiles: programs of up to `several_plans_max` blocks are also planned with one filter. The answer is the faster
+///   of the plans that hold all limits, with the time of the other as its candidate. If none holds, it is the plan
+///   profiles with a message.
+/// * free: the fastest of these plans, shortened sample by sample. If nothing is gained, it is the answer.
 /// @param file  its path is taken; its `reading` becomes that of the answer
 /// @param tell  one line a step, may be empty
+/// @throws std::invalid_argument  for a limit or an option that the plan does not keep, by name
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
-
-/// `accdec program --plan profiles`. Programs of up to `several_plans_max` blocks are also planned with one filter. The
-/// answer is the faster of the plans that hold all limits, with the time of the other as its candidate.
-/// If none holds, it is the plan profiles with a message.
-/// @param file     as read; its `reading` becomes that of the answer
-/// @param options  for the plan beside it
-/// @param tell     one line a step, may be empty
-/// @throws std::invalid_argument as run_profiles, and for Feeds::keep, because its ramps choose the feeds
-ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec

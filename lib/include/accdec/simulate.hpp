@@ -67,7 +67,6 @@ class LineSource {
   struct Close {
     void operator()(std::FILE* f) const { std::fclose(f); }
   };
-
   const void* find_end() const;
   void take(std::string_view& line, const char* end) {
     start_of_last_ = position_;
@@ -131,7 +130,7 @@ struct Arc;
 class MoveSink {
  public:
   virtual ~MoveSink() = default;
-  /// Where the path begins, before any move; the origin if never called.
+  /// The path begins here, before any move; at the origin if never called.
   virtual void begin(const ProgramPoint& at) = 0;
   /// Moves of no length are passed too: they have no path but count as blocks.
   virtual void move(const Move& move) = 0;
@@ -157,7 +156,7 @@ bool rotary_only(const ProgramPoint& from, const ProgramPoint& to);
 
 struct ReadOptions {
   double arc_tolerance = 2e-6;  ///< m, > 0: largest distance of a chord from the arc it stands for
-  bool numbered = false;        ///< N words of canonical calls are lines of the program, see numbered_lines
+  bool numbered = false;        ///< N words of canonical calls are lines of the program
   bool tools = false;           ///< lengths of tools are given: G43, which is passed over else, throws NeedsInterpreter
 };
 
@@ -176,8 +175,8 @@ enum class Joint : std::uint8_t {
   straight,  ///< no turn: as smooth, but needs no tolerance
   stop       ///< at rest
 };
-/// Largest turn of a smooth joint, rad. Chords of arcs and of finely sampled curves turn less, corners more. At speed,
-/// samples lie farther apart than usual tolerances. So the sampled error of an almost straight path says little.
+/// Largest turn of a smooth joint, rad. Chords of arcs and of curves turn less, corners more. At speed, samples lie
+/// farther apart than tolerances, so that the sampled error of an almost straight path says little.
 inline constexpr double smooth_turn = 0.34906585039886592;  // 20 degrees
 
 /// An arc or helix of a path that its chords represent: their ends lie on it.
@@ -197,13 +196,15 @@ struct Toolpath {
   std::vector<double> points;       ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
   std::vector<double> duration;     ///< s per block, > 0
   std::vector<double> tolerance;    ///< m, of every joint; unlimited if it has none
+  double narrowed = 0.0;            ///< m: beside arcs and splines this much of it at most is left for their chords
   std::vector<Joint> joint;         ///< one per block; the last is `stop`
   std::vector<std::uint32_t> line;  ///< of every block
   std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow
   std::vector<std::uint8_t> inside_arc;  ///< whether the joint lies between two chords of one arc
   std::vector<PathArc> arcs;             ///< ascending
   std::vector<double> programmed;        ///< rows as points, the program's; empty: compensate_arcs moved none
-  bool widen_arcs = false;               ///< the commanded radius of arcs may be widened, see compensate_arcs
+  bool widen_arcs = false;               ///< the commanded radius of arcs may be widened
+  double contour_max = unlimited;        ///< m, largest distance of the motion from the blocks that it passes
   ControlDelays control;                 ///< the delays that its corners can be given
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;                             ///< before the first block, s
@@ -212,8 +213,8 @@ struct Toolpath {
   struct Passed {
     std::uint32_t block = 0;  ///< before which one
     std::string words;        ///< as to be written
-    bool dwell = false;       ///< a dwell of the program; `dwell` above has its time
-    bool with_block = false;  ///< a line number or comment that stands on the block's own line
+    /// A dwell of the program (`dwell` above has its time); a line number or comment on the block's own line.
+    bool dwell = false, with_block = false;
   };
   std::vector<Passed> passed;          ///< dwells, and words that are not about motion, in their order
   std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending
@@ -221,7 +222,7 @@ struct Toolpath {
   bool percent = false;                ///< the program stands between two %
   std::string label;                   ///< its number, O0001; may be empty
   std::string end;                     ///< its last word, M2 or M30; empty: the end of the file
-  /// What acts on the machine and is not in the coordinates.
+  /// A word that acts on the machine and is not in the coordinates.
   struct Selected {
     std::string word;
     std::int64_t line = 0;  ///< 0: in force from the start
@@ -235,7 +236,6 @@ struct Toolpath {
     double tolerance = -1.0, merge = -1.0;  ///< m, see Move
   };
   std::vector<Mode> modes;  ///< path modes as the program gives them, for estimates of other controls; ascending
-
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
   const double* point(std::size_t i) const { return points.data() + i * axes.size(); }
@@ -255,18 +255,19 @@ inline bool ends_leg(const Toolpath& path, std::size_t b) {
 struct ToolpathOptions {
   ReadOptions read;
   std::optional<double> error_max;    ///< m, tolerance where the program gives none
+  double contour_max = unlimited;     ///< m, see Toolpath
   bool clamp_feeds = false;           ///< feeds above an axis' velocity limit are lowered to it, else they are an error
   bool widen_arcs = false;            ///< see Toolpath
   bool rapid_stops = false;           ///< stop wherever rapid and feed moves meet
+  bool room_for_chords = true;        ///< see Toolpath::narrowed; results of accdec.program/1 left none
   bool dwells_before_filter = false;  ///< G4 is a given delay, without a stop where the program does not stop anyway
 };
 
-/// The task's axis that moves a program axis, by its name in upper or lower case; nullptr if there is none of that
-/// name. A task with a single axis gives its limits to every linear axis; a rotary axis has its own limits, in degrees.
+/// The task's axis that moves a program axis, by its name in any case; nullptr if there is none of that name. The
+/// single axis of a task gives its limits to every linear axis; a rotary axis has its own limits, in degrees.
 const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
-
 /// Reads a whole program.
 /// @throws ReadError as read_program. Also for an axis that the machine does not have, and for a corner without
 /// tolerance. Also for a feed above an axis' velocity limit, and for a rapid move of an axis without velocity limit.
@@ -317,17 +318,17 @@ struct ProfileChain {
 
 /// Computes speeds of all corners and peaks of all legs. Each corner gets a share of every leg that is too short for
 /// both its corners. A backward pass covers braking, a forward pass speeding up. Then rounds raise each corner as far
-/// as its neighbours allow. O(blocks). The result can be driven. In look_ahead.cpp.
+/// as its neighbours allow. O(blocks). The result can be driven.
 void look_ahead(ProfileChain& chain);
 
 /// Straight moves at their feeds, with a delay after each, through one filter: what a control with a filter runs.
 struct FilteredCommand {
   Filter filter{{1.0}};     ///< all that acts on the command: what is set, and behind it the control's own smoothing
   std::vector<int> delays;  ///< samples, one a block, of the joint at its end
-  std::optional<Filter> own{};    ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
-  std::optional<Filter> moved{};  ///< `filter` and the servo behind it, where the axes have one; none: `filter`
+  std::optional<Filter> own{};  ///< what is set, where the machine has `prefilter_taps`; none: `filter` is set
+  std::vector<Filter> moved{};  ///< `filter` behind the servo: one, or one an axis; empty: no servo
   const Filter& set() const { return own ? *own : filter; }
-  const Filter& motion() const { return moved ? *moved : filter; }
+  std::span<const Filter> motion() const { return moved.empty() ? std::span(&filter, 1) : std::span(moved); }
 };
 
 /// A motion given by its samples, from the first after the start to the last before it rests.
@@ -374,7 +375,7 @@ struct Sample {
 
 /// The motion of a plan, from rest at its start to the first sample at rest at its end: what controllers are sent, and
 /// what tables, figures and pages show.
-/// It holds only one run of a command (see CommandTiming) and some thousand samples, or one leg of a trajectory.
+/// It holds only one run of a command and some thousand samples, or one leg of a trajectory.
 class Motion {
  public:
   /// References are kept. @param plan  not empty  @param servo  what the servo makes of it, until that rests, too

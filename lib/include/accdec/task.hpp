@@ -193,8 +193,9 @@ struct Task {
   std::optional<ControllerSettings> settings;  ///< what a controller lets its user set; none: any taps and delays
   Machine machine;
   std::vector<TaskCorner> corners;
-  std::optional<double> program_error_max;  ///< m, [program] error_max_um
-  std::vector<std::string> notes{};         ///< keys that were read but are better written in another way
+  std::optional<double> program_error_max;    ///< m, [program] error_max_um
+  std::optional<double> program_contour_max;  ///< m, [program] contour_max_um
+  std::vector<std::string> notes{};           ///< keys that were read but are better written in another way
 };
 
 /// Responses that a caller considers: none, the control's own smoothing, one of all axes without negative taps, or any.

@@ -177,7 +177,7 @@ export class Controls {
     return [...rows, choice];
   }
 
-  /** What changes where a key is added: where it is another way to say something, the first way goes. */
+  /** The changes that add a key: if it is another way to say something, the first way goes. */
   additions(key, inner, path) {
     const axes = this.state.get(["axis"])?.length ?? 2;
     const first = (one) => {

@@ -7,7 +7,7 @@ export function shortName(key) {
   return (tail && plain.endsWith(`_${tail}`) ? plain.slice(0, -tail.length - 1) : plain).replaceAll("_", " ");
 }
 
-/** What a key begins with when it is added. */
+/** The first value of a key that is added. */
 export function firstValue(key) {
   if (key.type === "boolean") return key.fallback !== "true";
   if (key.type === "word") return key.words.includes(key.fallback) ? key.fallback : key.words[0];

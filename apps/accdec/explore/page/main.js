@@ -222,7 +222,7 @@ function drawNow() {
   motion.show(shown, shownBefore, period, x, result.task.corner[i].speed_min_mm_s ?? null);
 }
 
-/** What a row of the table has of an answer; of which task it speaks. */
+/** The part of an answer that a row of the table has, with the task it speaks of. */
 const rowOf = ({ result, of, exact_stop }) => ({
   objective_s: objective(result),
   delays_samples: delays(result),
@@ -242,7 +242,7 @@ function drawFamilies() {
   const row = own && (result || page.today.of === page.families.of) && { ...rowOf(own), text: todayText(own) };
   const place = $("#families .wide");
   const focused = place.contains(document.activeElement) && document.activeElement.closest("tr")?.dataset.name;
-  // What an older task had stands beside a design only.
+  // The families of an older task stand beside a design only.
   const task = textOf(state.task);
   const shown = result ? page.families.families : page.families.families.filter((f) => f.of === task);
   place.replaceChildren(

@@ -15,7 +15,7 @@ export function nearestTo(times, t) {
   return t - times[low] < times[high] - t ? low : high;
 }
 
-/** Where the legend of a series looks: two plans have other times, and each shows a sample that it has. */
+/** The sample that the legend of a series shows: two plans have other times, and each shows one that it has. */
 function lookAt(plan, before, sample) {
   return (chart, series, nearest, t) => {
     const i = sample(t);
@@ -36,7 +36,7 @@ function withKeys(draw, chart, step) {
   });
 }
 
-/** What is shown of the time, as text: "from,to" in s; empty for all of it. */
+/** The part of the time that is shown, as text: "from,to" in s; empty for all of it. */
 function rangeText({ min, max }, times) {
   const near = (a, b) => Math.abs(a - b) < 1e-6 * times.at(-1);
   return near(min, times[0]) && near(max, times.at(-1)) ? "" : [min, max].map((t) => Number(t.toPrecision(6))).join();
@@ -50,7 +50,7 @@ export function zoomTo(charts, text) {
   if (charts.length) charts[0].setScale("x", rangeFrom(text, charts[0].data[0]));
 }
 
-/** What is shown of the time, in all charts alike. */
+/** Shows the same part of the time in all charts. */
 function zoomed(charts, chart) {
   const { min, max } = chart.scales.x;
   for (const other of charts)

@@ -91,7 +91,7 @@ function curve(view, at, name, dots) {
   ];
 }
 
-/** Where words of 150 px stand in the corner of the drawing that is farthest from path and legs. */
+/** The place of words of 150 px in the corner of the drawing that is farthest from path and legs. */
 function emptiest(points, legs) {
   const { left, right, top, bottom, width, height } = size;
   const onLegs = [0, 1].flatMap((leg) =>

@@ -30,7 +30,7 @@ const limitsKey = (plan) =>
     return make("span", {}, swatch, ` ${i < 0 ? program.other : program.limits[i]} `);
   });
 
-/** Where a corner opens: the explorer with the corner as its task. */
+/** The address that a corner opens: the explorer with the corner as its task. */
 const addressOf = (corner) => `index.html${taskAddress({ ...program.base, corner: [corner.corner] })}`;
 
 const scene = new Scene($("#path canvas"), showMark, (place) => {
@@ -115,7 +115,7 @@ function step(way, { min, max }) {
   showMark(Math.min(last, Math.max(first, from + way)));
 }
 
-/** What binds, as a bar along the foot of the chart, in the limit's colour. */
+/** The limit that binds, as a bar along the foot of the chart, in that limit's colour. */
 function bars(chart, plan) {
   const { ctx, bbox } = chart;
   ctx.save();
@@ -135,7 +135,7 @@ function tables() {
     before = besides(plan);
   $("#over-time").firstElementChild.append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
-  const columns = ["turn", "joints", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
+  const columns = ["turn", "places", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
   const rows = plan.lost.map((l) => [
     l.turn,
     String(l.count),

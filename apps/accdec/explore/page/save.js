@@ -64,7 +64,7 @@ export function exportChoice(select, shared) {
   });
 }
 
-/** What was pressed is said in words: a saved page has no buttons. */
+/** Says in words which buttons were pressed: a saved page has no buttons. */
 function sayChoices(copy) {
   const chosen = copy.querySelector("#corners:not([hidden]) [aria-pressed=true]");
   if (chosen) {

@@ -26,14 +26,14 @@ export class Shown {
     }, 200);
   }
 
-  /** Where the cursor is stands in the address, and is not undone. */
+  /** The place of the cursor stands in the address, and is not undone. */
   point(at) {
     if (at === this.now.at) return;
     this.now = { ...this.now, at };
     this.toAddress();
   }
 
-  /** What is dragged changes many times; its changes within a second are undone together. */
+  /** Values that are dragged change many times; changes of one within a second are undone together. */
   set(change) {
     const next = { ...this.now, ...change };
     const changed = names.filter((name) => next[name] !== this.now[name]).join();

@@ -78,7 +78,7 @@ function overDecades(from, to, value, whole) {
   return { from, to, count: places.length - 1, at: (p) => places[p], of: (x) => Math.max(0, of(x)) };
 }
 
-/** What a number may be, in words. */
+/** The values that a number may have, in words. */
 function allowed(key) {
   const kind = key.type === "integer" ? "a whole number" : "a number";
   const limits = [];

@@ -30,7 +30,7 @@ function apply(task, changes) {
   return task;
 }
 
-/** What may be chosen beside the task, as it stands in the address. */
+/** The choices beside the task, as they stand in the address. */
 const kinds = { corner: "number", beside: "string", whole: "boolean" };
 const isTable = (value) => value?.constructor === Object;
 const isTask = (task) => isTable(task) && ["axis", "corner", "mode"].every((name) => [task[name] ?? []].flat().every(isTable));
@@ -81,7 +81,7 @@ export class State {
     this.tell(structure);
   }
 
-  /** What is shown of the task: {corner, beside, whole}, as far as it changes. */
+  /** Chooses what is shown of the task: {corner, beside, whole}, as far as it changes. */
   choose(choices) {
     this.put({ task: this.task, choices: { ...this.choices, ...choices } });
   }

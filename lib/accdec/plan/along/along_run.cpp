@@ -30,15 +30,15 @@ double sagitta(const SmoothPath::Piece& piece) {
   return 2.0 * (piece.radius + std::max(0.0, piece.wider)) * quarter * quarter;
 }
 
+void lower(std::vector<double>& limits, double use) {
+  if (!(use > 1.0)) return;
+  for (double& limit : limits) limit *= std::max(0.5, of_limits / use);
+}
+
 class Run {
  public:
   Run(const FreePath& free, std::size_t first, std::size_t last, const Deadline& deadline)
-      : free_(free),
-        deadline_(deadline),
-        n_(free.dimensions()),
-        first_(first),
-        last_(last),
-        curve_(free.path, first, last) {}
+      : free_(free), deadline_(deadline), first_(first), last_(last), curve_(free.path, first, last) {}
 
   std::optional<AlongRun> plan() {
     if (!curve_.has_arcs() || !set_limits() || !set_pieces()) return {};
@@ -65,7 +65,7 @@ class Run {
  private:
   /// Velocity and force leave the acceleration of the fastest feed.
   bool set_limits() {
-    problem_.axes = n_;
+    problem_.axes = free_.dimensions();
     double feed = 0.0;
     for (std::size_t b = first_; b <= last_; ++b) feed = std::max(feed, free_.feed[b]);
     for (const Axis& axis : free_.machine.axes) {
@@ -98,7 +98,7 @@ class Run {
   /// Largest squared speed in a place of a piece.
   double cap_at(std::size_t piece, const PathPlace& place) const {
     double length2 = 0.0, bend2 = 0.0, cap = unlimited;
-    for (std::size_t a = 0; a < n_; ++a) {
+    for (std::size_t a = 0; a < problem_.axes; ++a) {
       length2 += place.first[a] * place.first[a];
       bend2 += place.second[a] * place.second[a];
       const double v = of_limits * free_.machine.axes[a].velocity_max / std::abs(place.first[a]);
@@ -116,7 +116,7 @@ class Run {
     const SmoothPath::Piece& after = curve_.pieces()[piece + 1];
     const PathPlace in = curve_.at(before, after.begin), out = curve_.at(after, after.begin);
     double speed = unlimited, jump2 = 0.0;
-    for (std::size_t a = 0; a < n_; ++a) {
+    for (std::size_t a = 0; a < problem_.axes; ++a) {
       const double jump = std::abs(out.first[a] - in.first[a]);
       const double step = free_.period * std::min(problem_.acceleration_max[a], free_.period * problem_.jerk_max[a]);
       speed = std::min(speed, of_kinks * step / jump);
@@ -131,14 +131,16 @@ class Run {
     problem_.node = std::move(nodes);
     const std::size_t count = problem_.node.size();
     problem_.cap.assign(count, unlimited);
-    problem_.first.resize((count - 1) * n_);
-    problem_.second.resize((count - 1) * n_);
+    problem_.first.resize((count - 1) * problem_.axes);
+    problem_.second.resize((count - 1) * problem_.axes);
     for (std::size_t c = 0; c + 1 < count; ++c) {
       const double u = 0.5 * (problem_.node[c] + problem_.node[c + 1]);
       const std::size_t piece = curve_.piece_at(u);
       const PathPlace place = curve_.at(curve_.pieces()[piece], u);
-      std::copy_n(place.first.begin(), n_, problem_.first.begin() + static_cast<std::ptrdiff_t>(c * n_));
-      std::copy_n(place.second.begin(), n_, problem_.second.begin() + static_cast<std::ptrdiff_t>(c * n_));
+      std::copy_n(place.first.begin(), problem_.axes,
+                  problem_.first.begin() + static_cast<std::ptrdiff_t>(c * problem_.axes));
+      std::copy_n(place.second.begin(), problem_.axes,
+                  problem_.second.begin() + static_cast<std::ptrdiff_t>(c * problem_.axes));
       const double cap = cap_at(piece, place);
       for (const std::size_t i : {c, c + 1}) problem_.cap[i] = std::min(problem_.cap[i], cap);
     }
@@ -153,8 +155,8 @@ class Run {
   /// The first and the last cell at a constant jerk from or to rest: u = j t^3/6.
   void cap_near_rest(std::size_t node, std::size_t cell) {
     double jerk = unlimited;
-    for (std::size_t a = 0; a < n_; ++a)
-      jerk = std::min(jerk, problem_.jerk_max[a] / std::abs(problem_.first[cell * n_ + a]));
+    for (std::size_t a = 0; a < problem_.axes; ++a)
+      jerk = std::min(jerk, problem_.jerk_max[a] / std::abs(problem_.first[cell * problem_.axes + a]));
     if (!(jerk < unlimited)) return;
     const double way = problem_.node[cell + 1] - problem_.node[cell];
     problem_.cap[node] =
@@ -266,14 +268,14 @@ class Run {
     bool hold() const { return std::max({velocity, acceleration, jerk}) <= 1.0 + 1e-9; }
   };
   Uses uses_of(const std::vector<double>& position) const {
-    const std::size_t count = position.size() / n_;
+    const std::size_t count = position.size() / problem_.axes;
     Uses uses;
     const double rate = 1.0 / free_.period;
-    for (std::size_t a = 0; a < n_; ++a) {
+    for (std::size_t a = 0; a < problem_.axes; ++a) {
       const Axis& axis = free_.machine.axes[a];
       double before = free_.path.point(first_)[a], velocity = 0.0, acceleration = 0.0;
       for (std::size_t k = 0; k < count + 3; ++k) {
-        const double now = position[std::min(k, count - 1) * n_ + a];
+        const double now = position[std::min(k, count - 1) * problem_.axes + a];
         const double v = (now - before) * rate, b = (v - velocity) * rate, jerk = (b - acceleration) * rate;
         before = now;
         velocity = v;
@@ -285,10 +287,6 @@ class Run {
       }
     }
     return uses;
-  }
-  static void lower(std::vector<double>& limits, double use) {
-    if (!(use > 1.0)) return;
-    for (double& limit : limits) limit *= std::max(0.5, of_limits / use);
   }
   std::size_t least_count() const { return static_cast<std::size_t>(std::ceil(times().back() / free_.period - 1e-9)); }
   /// Slower as a whole, until the limits hold.
@@ -309,9 +307,10 @@ class Run {
     for (std::size_t k = 1; k <= count; ++k) {
       const PathPlace place = curve_.at(curve_.pieces()[curve_.piece_at(u[k])], u[k]);
       run.position.insert(run.position.end(), place.position.begin(),
-                          place.position.begin() + static_cast<std::ptrdiff_t>(n_));
+                          place.position.begin() + static_cast<std::ptrdiff_t>(problem_.axes));
     }
-    std::copy_n(free_.path.point(last_ + 1), n_, run.position.end() - static_cast<std::ptrdiff_t>(n_));
+    std::copy_n(free_.path.point(last_ + 1), problem_.axes,
+                run.position.end() - static_cast<std::ptrdiff_t>(problem_.axes));
     std::size_t k = 0;
     for (const SmoothPath::Piece& piece : curve_.pieces()) {
       for (std::size_t b = piece.first; b <= piece.last && b < last_; ++b) {
@@ -325,7 +324,7 @@ class Run {
 
   const FreePath& free_;
   const Deadline& deadline_;
-  const std::size_t n_, first_, last_;
+  const std::size_t first_, last_;
   const SmoothPath curve_;
   std::vector<Caps> caps_;
   PathSpeed problem_;

@@ -88,10 +88,12 @@ class Scheduler {
         feed_step_(corner_feed_step),
         window_(filter, machine, sample_period, path.dimensions()),
         feeds_(feed_path(path)),
-        apart_(behind_.motion().order() + 2),
+        apart_(behind_.longest_order() + 2),
         joints_(path.blocks()),
         chosen_(path.blocks()) {
-    for (std::size_t b = 0; b < path.blocks(); ++b) joints_[b].tolerance = path.tolerance[b];
+    // If the path is symmetric, a corner is about as far from it as the path is from the legs.
+    for (std::size_t b = 0; b < path.blocks(); ++b)
+      joints_[b].tolerance = std::min(path.tolerance[b], path.contour_max);
     for (const auto& [block, delay] : path.given) {
       joints_[block].given = static_cast<int>(std::lround(std::min(delay / sample_period, 1e9)));
     }
@@ -217,13 +219,21 @@ class Scheduler {
   }
 
   static bool all_hold(const ScheduledPlan& plan) {
-    return plan.plan.errors_hold && plan.plan.simulation.broken.empty();
+    return plan.plan.errors_hold && plan.plan.simulation.broken.empty() && plan.plan.simulation.off.empty();
   }
 
   void mend(const ScheduledPlan& plan) {
     for (std::size_t i = 0; i + 1 < block_of_.size(); ++i) {
       const double error = plan.plan.errors[i], bound = plan.path.tolerance[i];
       if (!holds(error, bound)) mend_error(block_of_[i], bound / error);
+    }
+    for (const Simulation::OffPath& off : plan.plan.simulation.off) {
+      const bool joint =
+          off.point > 0 && off.point < block_of_.size() && joints_[block_of_[off.point - 1]].extra < apart_;
+      if (joint)
+        mend_error(block_of_[off.point - 1], 1.0 / off.use);
+      else
+        mend_limit(block_of_[std::min<std::size_t>(off.point, block_of_.size() - 1)]);
     }
     std::uint32_t before = UINT32_MAX;
     for (const std::uint32_t i : plan.plan.simulation.broken) {
@@ -237,7 +247,7 @@ class Scheduler {
     joint.tolerance *= std::clamp(part, 0.5, 0.97);
     joint.choose = true;
     joint.errors = static_cast<std::uint8_t>(std::min(joint.errors + 1, 100));
-    // Where joints affect each other, lower speeds may not be enough; a stop always is.
+    // If joints affect each other, lower speeds may not be enough; a stop always is.
     if (joint.errors > (ends_leg(path_, b) ? 2 : 6) && !runs_on(path_.control)) joint.extra += 1 + filter_.order() / 8;
   }
 

@@ -15,8 +15,8 @@ struct ScheduledPlan {
 };
 
 /// Chooses the feeds of a program for one filter: at every joint a speed and a delay, inside the blocks steps of the
-/// feed, so that the limits hold. Programmed feeds are upper bounds. The returned plan was simulated. Where a
-/// limit or a tolerance was broken, joints are passed slower and limits are used less around it, round by round.
+/// feed, so that the limits hold. Programmed feeds are upper bounds. The returned plan was simulated. Joints
+/// around a broken limit or tolerance are passed slower, and limits are used less there, round by round.
 /// @param deadline  ends the rounds: what is returned then may not hold
 /// @param corner_feed_step  see FeedCaps
 ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,

@@ -131,9 +131,9 @@ ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period
   const bool mend_limits = !machine.axes.empty();
   ProgramPlan plan = simulate_plan(path, filter, sample_period, machine, pairwise.delays, mend_limits);
   plan.too_fast = too_fast;
-  if (plan.errors_hold && plan.simulation.broken.empty()) return plan;
+  if (plan.errors_hold && plan.simulation.broken.empty() && plan.simulation.off.empty()) return plan;
   Repair repair(path, filter, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
-  RepairWork failing = repair.failing(plan.simulation.broken);
+  RepairWork failing = repair.failing(plan.simulation);
   int rounds = 0;
   // Far more than any program needed. A tolerance below the arithmetic's precision would never be met.
   constexpr int most_rounds = 2000;

@@ -40,7 +40,7 @@ Repair::Repair(Toolpath& path, const Filter& filter, double sample_period, const
       errors_(errors),
       scratch_(path.blocks(), 0.0),
       apart_(filter.order() + 2),
-      settled_(behind_.motion().order() + 2) {
+      settled_(behind_.longest_order() + 2) {
   if (machine != nullptr) limits_.emplace(filter, *machine, sample_period);
 }
 
@@ -76,13 +76,21 @@ bool Repair::slow_around(std::size_t joint, double factor, RepairWork& work) con
   return work.slow.size() > before;
 }
 
-void Repair::mend(std::size_t joint, double error, RepairWork& work) const {
-  if (ends_leg(path_, joint) || rounds_ > slow_rounds || !(path_.tolerance[joint] > 0.0)) {
+void Repair::mend(std::size_t joint, double use, RepairWork& work) const {
+  if (ends_leg(path_, joint) || rounds_ > slow_rounds || !(use < unlimited)) {
     work.raise.push_back(joint);
     return;
   }
-  const double factor = std::clamp(std::pow(error / path_.tolerance[joint], 0.25), 1.002, 1.5);
+  const double factor = std::clamp(std::pow(use, 0.25), 1.002, 1.5);
   if (!slow_around(joint, factor, work)) work.raise.push_back(joint);
+}
+
+void Repair::mend(const Simulation::OffPath& off, RepairWork& work) const {
+  const std::size_t after = std::min<std::size_t>(off.point, path_.blocks() - 1);
+  if (off.point > 0 && off.point < path_.blocks() && delays_[off.point - 1] < settled_)
+    return mend(off.point - 1, off.use, work);
+  const double factor = std::clamp(std::sqrt(off.use), 1.002, 1.5);
+  for (std::size_t b = off.point > 0 ? off.point - 1 : 0; b <= after; ++b) work.slow.push_back({b, factor});
 }
 
 void Repair::blame(std::uint32_t block, RepairWork& work) const {
@@ -107,12 +115,13 @@ void Repair::blame(std::uint32_t block, RepairWork& work) const {
   }
 }
 
-RepairWork Repair::failing(std::span<const std::uint32_t> broken) const {
+RepairWork Repair::failing(const Simulation& simulation) const {
   RepairWork work;
   for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
-    if (!holds(errors_[b], path_.tolerance[b])) mend(b, errors_[b], work);
+    if (!holds(errors_[b], path_.tolerance[b])) mend(b, errors_[b] / path_.tolerance[b], work);
   }
-  for (const std::uint32_t block : broken) blame(block, work);
+  for (const Simulation::OffPath& off : simulation.off) mend(off, work);
+  for (const std::uint32_t block : simulation.broken) blame(block, work);
   unique_ascending(work);
   return work;
 }
@@ -149,15 +158,18 @@ void Repair::simulate(const Range& range) {
   options.machine = machine_;
   options.blame = machine_ != nullptr;
   options.motion = behind_.servo();
-  broken_ = simulate_program(timing_, filter_, range.first, range.last, scratch_, options).broken;
+  found_ = simulate_program(timing_, filter_, range.first, range.last, scratch_, options);
 }
 
 void Repair::judge(std::size_t first, std::size_t last, RepairWork& failing) const {
   for (std::size_t b = first; b <= last; ++b) {
-    if (!holds(scratch_[b], path_.tolerance[b])) mend(b, scratch_[b], failing);
+    if (!holds(scratch_[b], path_.tolerance[b])) mend(b, scratch_[b] / path_.tolerance[b], failing);
+  }
+  for (const Simulation::OffPath& off : found_.off) {
+    if (off.point >= first && off.point <= last + 1) mend(off, failing);
   }
   // Blocks whose motion the ends of the range cannot affect.
-  for (const std::uint32_t block : broken_) {
+  for (const std::uint32_t block : found_.broken) {
     if (block >= first && block <= last + 1) blame(block, failing);
   }
 }

@@ -40,7 +40,7 @@ class Repair {
   /// its stop together. It is slowed. So is a longer one that is faster than the filter can start or stop: inside a leg
   /// that does not matter until a joint is delayed. Joints not repaired after twenty rounds are raised, smooth ones
   /// too.
-  RepairWork failing(std::span<const std::uint32_t> broken) const;
+  RepairWork failing(const Simulation& simulation) const;
   /// One round: makes changes, simulates around them again, and returns what fails there now. @param step  samples to
   /// raise by
   RepairWork round(const RepairWork& work, int step);
@@ -55,7 +55,10 @@ class Repair {
   Range around(std::size_t joint) const;
   void simulate(const Range& range);
   void judge(std::size_t first, std::size_t last, RepairWork& failing) const;
-  void mend(std::size_t joint, double error, RepairWork& work) const;
+  /// @param use  of a bound on a distance, > 1
+  void mend(std::size_t joint, double use, RepairWork& work) const;
+  /// Mends where the motion leaves the path. If longer delays are no help, the blocks there are slowed.
+  void mend(const Simulation::OffPath& off, RepairWork& work) const;
   void blame(std::uint32_t block, RepairWork& work) const;
   /// Largest factor <= 1 on its feed with which a block surely starts and stops within the limits.
   double start_factor(std::size_t block) const;
@@ -74,7 +77,7 @@ class Repair {
   std::vector<int>& delays_;
   std::vector<double>& errors_;
   std::vector<double> scratch_;
-  std::vector<std::uint32_t> broken_;
+  Simulation found_;  // in the part simulated last
   int rounds_ = 0;
   int apart_;    // delay from which the commands of a joint's legs do not overlap
   int settled_;  // and from which their motions do not

@@ -107,7 +107,7 @@ class FeedLimiter {
       const double middle = 0.5 * (low + high);
       (passes(middle) ? low : high) = middle;
     }
-    // What binds a jump binds a start, too: the name is for the report.
+    // A limit that binds a jump binds a start, too: the name is for the report.
     limits_.start_factor(velocity(changed, 1.0).data(), &binding_[changed]);
     path_.duration[changed] /= low;
     return true;
@@ -144,7 +144,7 @@ std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, doubl
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filter, sample_period, machine);
   // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a
-  // few rounds. Where ramps do not settle it, whole legs in the end.
+  // few rounds. If ramps do not settle it, whole legs are slowed in the end.
   for (int round = 0; round < 12 && !deadline.over(); ++round) {
     bool slowed = limiter.slow(0, End::start, limiter.reach());
     slowed = limiter.slow(path.blocks() - 1, End::stop, limiter.reach()) || slowed;

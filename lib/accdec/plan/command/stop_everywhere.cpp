@@ -9,6 +9,21 @@
 namespace accdec {
 namespace {
 
+/// Lengthens delays at which modes of axes swing on by what both legs leave together.
+void part_by_phase(const Toolpath& path, const BlendLimits& limits, std::vector<int>& delays) {
+  const std::size_t n = path.dimensions();
+  const auto velocity = [&](std::size_t b) {
+    std::vector<double> v(n);
+    for (std::size_t a = 0; a < n; ++a) v[a] = (path.point(b + 1)[a] - path.point(b)[a]) / path.duration[b];
+    return v;
+  };
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    bool possible = true;
+    delays[b] =
+        limits.smallest(velocity(b).data(), velocity(b + 1).data(), delays[b], possible, path.joint[b] == Joint::stop);
+  }
+}
+
 /// The plan's feeds and delays, not simulated.
 ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   ScheduledPlan result{path, {}};
@@ -32,6 +47,7 @@ ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double samp
     if (b + 1 < path.blocks())
       delays[b] = control_delay(path.control, filter, length / duration * sample_period, apart).value_or(apart);
   }
+  if (has_mode_of_axis(machine)) part_by_phase(result.path, limits, delays);
   for (const auto& [block, delay] : path.given)
     delays[block] = std::max(delays[block], static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
   result.plan.delays = std::move(delays);

@@ -41,8 +41,26 @@ double JointDelays::cos_interior() const {
   return std::clamp(-dot / (speed_in_ * speed_out_), -1.0, 1.0);
 }
 
-int JointDelays::within_limits(int delay) {
-  return limits_.any() ? limits_.smallest(in_.data(), out_.data(), delay, possible_) : delay;
+int JointDelays::within_limits(int delay, bool stop) {
+  return limits_.any() ? limits_.smallest(in_.data(), out_.data(), delay, possible_, stop) : delay;
+}
+
+int JointDelays::within_contour(int delay) const {
+  if (!(path_.contour_max < unlimited)) return delay;
+  const auto n = static_cast<Eigen::Index>(path_.dimensions());
+  const Corner corner = make_corner(Eigen::Map<const Eigen::VectorXd>(in_.data(), n),
+                                    Eigen::Map<const Eigen::VectorXd>(out_.data(), n), speed_in_, speed_out_);
+  const auto held = [&](int d) {
+    const double deviation = measure(Blend(behind_.motion(), corner, d, period_)).contour_deviation;
+    return deviation <= path_.contour_max + position_floor;
+  };
+  if (held(delay)) return delay;
+  int low = delay, high = std::max(delay, finder_.exact_stop_delay());
+  while (high - low > 1) {
+    const int middle = low + (high - low) / 2;
+    (held(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 int JointDelays::of_control(int delay) {
@@ -64,7 +82,7 @@ int JointDelays::stop(std::size_t b) {
   // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
   const int least =
       !behind_.ideal() && path_.tolerance[b] < unlimited ? std::max(exact_stop(), within_tolerance(b)) : exact_stop();
-  const std::int64_t rest = within_limits(least) - dwell_samples(b);
+  const std::int64_t rest = within_limits(least, true) - dwell_samples(b);
   return static_cast<int>(std::max<std::int64_t>(exact_stop(), rest));
 }
 
@@ -77,7 +95,7 @@ std::int64_t JointDelays::dwell_samples(std::size_t b) const {
 int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {
   load(b, factor_in, in_, speed_in_);
   load(b + 1, factor_out, out_, speed_out_);
-  return of_control(within_tolerance(b));
+  return of_control(within_contour(within_tolerance(b)));
 }
 
 int JointDelays::within_tolerance(std::size_t b) const {
@@ -95,6 +113,7 @@ int JointDelays::smooth(std::size_t b) {
     delay = smallest_path_delay(behind_.motion(), cos_interior(), speed_in_ * period_, speed_out_ * period_, bound,
                                 finder_.exact_stop_delay());
   }
+  if (spread * spread * change2 > path_.contour_max * path_.contour_max) delay = within_contour(delay);
   delay = within_limits(delay);
   return delay > 0 ? of_control(delay) : 0;
 }

@@ -32,7 +32,8 @@ class JointDelays {
  private:
   void load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity, double& speed) const;
   double cos_interior() const;
-  int within_limits(int delay);
+  int within_limits(int delay, bool stop = false);
+  int within_contour(int delay) const;
   /// The shortest within the limits that the control has; if it has none, the shortest within the limits.
   int of_control(int delay);
   /// At which the command rests; a servo may still follow.

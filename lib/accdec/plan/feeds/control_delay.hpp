@@ -12,8 +12,8 @@
 namespace accdec {
 
 /// The delays that a control has for a program. A corner feed is there a feed of the blocks beside a corner, which the
-/// planner chooses (Feeds::choose) and --emit writes as F words. What such a control does at a lower feed, it does at
-/// the whole feed: DelayKind::continuous.
+/// planner chooses (Feeds::choose) and --emit writes as F words. Such a control does the same at a lower feed
+/// as at the whole feed: DelayKind::continuous.
 ControlDelays control_of(const ControllerSettings& settings, double width);
 
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.

@@ -23,7 +23,7 @@ struct CurveFeeds {
 /// The error of a joint in a curve at constant speed v is its distance from the sum of points v T apart, weighted with
 /// the taps. On an arc of radius R it is about v^2 s^2 T^2/(2 R) with the second moment s^2 of the taps. The feed of a
 /// block is the largest, up to the programmed one, that keeps the tolerance at both its joints, found by bisection.
-/// Where nothing is tolerated (G61) the sagitta stands for the tolerance. Blocks longer than the filter keep their
+/// If nothing is tolerated (G61), the sagitta stands for the tolerance. Blocks longer than the filter keep their
 /// feeds: their joints are alone, and a delay there costs less.
 /// @param filter  of the motion  @param order  of it, as far as it has to be seen
 /// @param delays, planned  of a plan at the programmed feeds, whose durations s the path holds: what is delayed or was

@@ -140,7 +140,7 @@ class March {
     return verdict;
   }
 
-  /// The speed of piece i from here on. Where a far look ahead at this speed was good, the near ones within it are.
+  /// The speed of piece i from here on. If a far look ahead at this speed was good, the near ones within it are.
   double decide(std::size_t i, double left, double cap) {
     const bool same = std::abs(cap - sure_speed_) <= 1e-9 * cap;  // speeds differ by rounding
     if (same && now_ + reach_ <= sure_until_) return cap;

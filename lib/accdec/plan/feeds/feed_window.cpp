@@ -68,7 +68,7 @@ FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double samp
 }
 
 bool FeedWindow::driven(const Axis& axis, double velocity, double before, bool mirrored) {
-  // Where an axis with dry friction reverses, it first brakes and then speeds up.
+  // An axis with dry friction that reverses first brakes and then speeds up.
   const bool reverses = axis.coulomb > 0.0 && velocity * before < 0.0;
   return reverses || (std::abs(velocity) > std::abs(before)) != mirrored;
 }

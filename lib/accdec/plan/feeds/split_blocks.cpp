@@ -41,7 +41,9 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
   out.percent = path.percent;
   out.label = path.label;
   out.end = path.end;
+  out.narrowed = path.narrowed;
   out.widen_arcs = path.widen_arcs;
+  out.contour_max = path.contour_max;
   out.control = path.control;
   reserve(out, count);
   std::vector<std::uint32_t> last(path.blocks());  // piece of every block

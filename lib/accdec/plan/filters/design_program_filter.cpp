@@ -131,7 +131,7 @@ class Candidates {
       if (c.predicted >= shortest) break;  // a plan is not faster than its prediction
       if (i > 0 && deadline_.over()) break;
       simulate(*c.design.filter, c, best, shortest);
-      // Where moves overlap, limits that each move holds alone may break together. A gentler filter can save the time
+      // If moves overlap, limits that each move holds alone may break together. A gentler filter can save the time
       // that repair costs.
       for (double factor = 1.2; i == 0 && shortest > 1.005 * c.predicted && factor < 4.0 && !deadline_.over();
            factor *= 1.2) {
@@ -275,7 +275,7 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
                axis.regeneration_max < unlimited || (!(axis.acceleration_max < unlimited) && axis.jerk_max < unlimited);
       });
   ProgramFilter best;
-  if (!search.filter || others || !machine.modes.empty()) {
+  if (!search.filter || others || !machine.modes.empty() || path.contour_max < unlimited) {
     const double left = std::max(0.05, std::min(time_limit, 0.5 * deadline.left()));
     best = design_program_filter(path, task, left, progress, deadline);
     if (!best.filter) best.message = best.message.empty() ? "no filter holds the limits" : best.message;
@@ -293,7 +293,9 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
     if (path.blocks() > several_plans_max || program_time(path, filter, task, machine) >= chosen) return chosen;
     return std::min(chosen, planned_time(path, filter, task, machine, deadline));
   };
-  if (search.filter && (!best.filter || time(*search.filter) <= time(*best.filter))) {
+  // Without time to plan with it, a filter that knows neither modes of axes nor the contour is no choice.
+  const bool unsure = deadline.over() && (has_mode_of_axis(machine) || path.contour_max < unlimited);
+  if (search.filter && (!best.filter || (!unsure && time(*search.filter) <= time(*best.filter)))) {
     best.filter = search.filter;
     best.solver.name = "two averages";
     best.message.clear();

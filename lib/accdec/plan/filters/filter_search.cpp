@@ -119,7 +119,7 @@ class Search {
 
   bool late() const { return seconds_since(start_) > options_.time_limit; }
 
-  /// What acts on the command; none if it breaks a vibration bound.
+  /// The filter that acts on the command; none if it breaks a vibration bound.
   std::optional<Filter> command_of(const Filter& set) const {
     Machine control;
     control.prefilter_taps = options_.smoothing;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/filters/representative_task.hpp>
 #include <accdec/task/equal_corners.hpp>
 
@@ -94,6 +95,7 @@ TaskCorner rounded(const TaskCorner& corner) {
   TaskCorner result = task_corner(corner.name, direction(g.direction_in), direction(g.direction_out), feed(g.feed_in),
                                   feed(g.feed_out));
   result.error_max = corner.error_max;
+  result.contour_max = corner.contour_max;
   return result;
 }
 
@@ -164,6 +166,7 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
   result.corners.clear();
   result.machine = program_machine(task.machine, path);
   result.machine.prefilter_taps = task.machine.prefilter_taps;
+  give_slowest_servo(result.machine, task.sample_period);
   const Survey found = survey(path);
   result.design.objective = Objective::cycle;
   result.design.runs = found.runs;
@@ -179,6 +182,7 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
     TaskCorner corner = task_corner(fmt::format("line {}", path.line[b]), u, w, u.norm() / path.duration[b],
                                     w.norm() / path.duration[b + 1]);
     corner.error_max = path.tolerance[b];
+    if (path.contour_max < unlimited) corner.contour_max = path.contour_max;
     // The classes kept also represent the others.
     corner.weight = static_cast<double>(found.corners[i].count) * all / kept;
     result.corners.push_back(std::move(corner));

@@ -23,7 +23,7 @@ struct SettingsForProgram {
 /// all over the families and steps around the best of them that are halved. The best guesses are planned, then steps
 /// around the best plan, then all the others. A member is passed over for one of two reasons. Way over feed, the
 /// filter's length and its stops alone take as long as the best plan. Or its guess with delays of any number of samples
-/// does. What time is left decides how many are planned.
+/// does. The time left decides how many are planned.
 /// @param task      with settings that name a family; its filter or baseline is today's
 /// @param keep      at the programmed feeds; else feeds are chosen
 /// @param deadline  ends the search

@@ -112,11 +112,12 @@ FreeSamples joined(const FreePath& free, const FreeSamples& motion, const std::v
 class Sweep {
  public:
   Sweep(const FreePath& free, const FreeSamples& motion, std::vector<FreePart> parts, const FreeOptions& options,
-        double gained)
+        const Deadline& deadline, double gained)
       : free_(free),
         motion_(motion),
         parts_(std::move(parts)),
         options_(options),
+        deadline_(deadline),
         gained_(gained),
         shortened_(parts_.size()) {}
 
@@ -134,7 +135,7 @@ class Sweep {
   }
 
  private:
-  bool over() const { return options_.deadline.over(); }
+  bool over() const { return deadline_.over(); }
   void work() {
     for (std::size_t i = next_++; i < parts_.size(); i = next_++) {
       if (over()) return;
@@ -146,8 +147,7 @@ class Sweep {
     }
   }
   /// Long windows where joints are rare: what is gained at one moves the samples of the whole leg.
-  std::size_t window_of(const FreePart& part) const {
-    if (options_.window > 0) return options_.window;
+  static std::size_t window_of(const FreePart& part) {
     const double spacing =
         static_cast<double>(part.end - part.begin) / (1.0 + static_cast<double>(part.end_joint - part.first_joint));
     return spacing < 20.0 ? 80 : spacing < 60.0 ? 160 : 240;
@@ -157,6 +157,7 @@ class Sweep {
   const FreeSamples& motion_;
   const std::vector<FreePart> parts_;
   const FreeOptions& options_;
+  const Deadline& deadline_;
   double gained_;
   std::vector<ShortenedPart> shortened_;
   std::atomic<std::size_t> next_ = 0;
@@ -166,15 +167,16 @@ class Sweep {
 
 }  // namespace
 
-FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options) {
+FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options,
+                          const Deadline& deadline) {
   FreeReport report;
   const std::size_t n = free.dimensions(), start = motion.count(n);
   for (; report.sweeps < options.sweeps; ++report.sweeps) {
     const std::size_t before = motion.count(n);
-    Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options,
+    Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options, deadline,
                 static_cast<double>(start - before) * free.period);
     motion = sweep.run(report);
-    report.ended = options.deadline.over();
+    report.ended = deadline.over();
     const std::size_t saved = before - motion.count(n);
     if (report.ended || static_cast<double>(saved) < 4e-4 * static_cast<double>(before)) break;
   }

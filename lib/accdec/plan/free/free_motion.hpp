@@ -1,26 +1,17 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
 #include <accdec/files.hpp>
 #include <accdec/plan/free/free_path.hpp>
+#include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
 
-/// How long and how a motion is shortened.
-struct FreeOptions {
-  Deadline deadline;  ///< ends it with the best motion so far
-  int threads = 1;
-  std::size_t window = 0;                                      ///< samples; 0: chosen by the density of joints
-  int sweeps = 10;                                             ///< at most
-  std::function<void(double seconds, double share)> progress;  ///< time gained so far, part of the work done
-};
-
-/// What was done.
+/// The work that was done.
 struct FreeReport {
   int sweeps = 0;
   std::int64_t programmes = 0, iterations = 0;
@@ -36,6 +27,8 @@ std::optional<FreeSamples> sampled(const Toolpath& path, const Plan& fixed, doub
 
 /// Shortens a motion that holds all limits by convex programmes over windows of its samples, see window.hpp. Each part
 /// of it is shortened by itself; every state is a motion from rest to rest.
-FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options);
+/// @param deadline  ends it with the best motion so far
+FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options,
+                          const Deadline& deadline);
 
 }  // namespace accdec

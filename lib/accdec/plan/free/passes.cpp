@@ -6,7 +6,7 @@
 namespace accdec {
 namespace {
 
-/// Where on the step from a to b a point is nearest, 0 .. 1, and the distance squared.
+/// The place on the step from a to b that is nearest to a point, 0 .. 1, and the distance squared.
 double nearest(const double* a, const double* b, const double* point, std::size_t n, double low, double high,
                double& distance2) {
   double along = 0.0, length2 = 0.0;

@@ -11,7 +11,7 @@
 namespace accdec {
 namespace {
 
-/// Where on the step from a to b the point is nearest, not before `low`.
+/// The place on the step from a to b that is nearest to the point, not before `low`.
 double nearest(const double* a, const double* b, const double* point, std::size_t n, double low) {
   double along = 0.0, length2 = 0.0;
   for (std::size_t i = 0; i < n; ++i) {

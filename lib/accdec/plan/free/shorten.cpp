@@ -42,20 +42,19 @@ class Shortening {
         old_{motion, static_cast<std::ptrdiff_t>(part.begin), free.dimensions()},
         part_(part),
         n_(free.dimensions()),
-        border_(free.border()),
-        size_(size) {
+        window_{free.border(), size} {
     for (std::size_t j = part.first_joint; j < part.end_joint; ++j)
       passes_.push_back(motion.passes[j] - static_cast<double>(part.begin));
   }
 
   ShortenedPart run(const std::function<bool()>& stop) {
     const std::size_t length = part_.end - part_.begin;
-    const std::size_t step = size_ / 2;
+    const std::size_t step = window_.size / 2;
     std::size_t from = 0;
     bool done = false;
     for (;; from += step) {
       if (stop()) break;
-      const double end = static_cast<double>(from + size_) + shift_;
+      const double end = static_cast<double>(from + window_.size) + shift_;
       if (end > static_cast<double>(length) - landing) {
         done = true;
         break;
@@ -91,9 +90,9 @@ class Shortening {
   Window window_at(std::size_t from, std::size_t count, double faster) {
     Window w;
     w.size = count;
-    w.before.resize(border_ * n_);
-    for (std::size_t i = 0; i < border_; ++i)
-      now(static_cast<std::ptrdiff_t>(from + i) - static_cast<std::ptrdiff_t>(border_), &w.before[i * n_]);
+    w.before.resize(window_.border * n_);
+    for (std::size_t i = 0; i < window_.border; ++i)
+      now(static_cast<std::ptrdiff_t>(from + i) - static_cast<std::ptrdiff_t>(window_.border), &w.before[i * n_]);
     w.guess.resize(count * n_);
     const double pace = 1.0 + faster / static_cast<double>(count + 1);
     for (std::size_t i = 0; i < count; ++i)
@@ -112,9 +111,9 @@ class Shortening {
   }
   /// The samples after a window: the old motion, base and base + reach samples earlier.
   void set_after(Window& w, std::size_t from, double base, double reach) const {
-    w.after.resize(border_ * n_);
-    w.later.resize(border_ * n_);
-    for (std::size_t i = 0; i < border_; ++i) {
+    w.after.resize(window_.border * n_);
+    w.later.resize(window_.border * n_);
+    for (std::size_t i = 0; i < window_.border; ++i) {
       const auto k = static_cast<double>(from + w.size + i);
       old_.at(k + base, &w.after[i * n_]);
       old_.at(k + base + reach, &w.later[i * n_]);
@@ -140,7 +139,7 @@ class Shortening {
   bool cruises(const Window& w) const {
     if (!w.passes.empty()) return false;
     const double full = free_.feed[part_.first_joint + first_pass_] * free_.period;
-    const double* before = w.before.data() + (border_ - 1) * n_;
+    const double* before = w.before.data() + (window_.border - 1) * n_;
     for (std::size_t k = 0; k < w.size; ++k) {
       double step = 0.0;
       for (std::size_t a = 0; a < n_; ++a) step = std::hypot(step, w.guess[k * n_ + a] - before[a]);
@@ -175,7 +174,7 @@ class Shortening {
   /// One window: passes slide along the guess until nothing is gained, then they are held where they have come to. If
   /// they cannot be, they slide less; in the end they stay where they were.
   void advance(std::size_t from) {
-    const Window old = window_at(from, size_, 0.0);
+    const Window old = window_at(from, window_.size, 0.0);
     if (cruises(old)) return;
     Window w = old;
     double shift = shift_;
@@ -188,7 +187,7 @@ class Shortening {
 
   /// Solves with sliding passes as long as that gains. @param shift  of the motion after the window
   void slide_passes(std::size_t from, double slide, Window& w, double& shift) {
-    const double most = static_cast<double>(part_.end - part_.begin) - static_cast<double>(from + size_);
+    const double most = static_cast<double>(part_.end - part_.begin) - static_cast<double>(from + window_.size);
     double share = 0.0;
     for (int round = 0; round < rounds_max && slide > 0.05; ++round) {
       const double base = std::max(0.0, std::floor(shift - 0.5));
@@ -226,7 +225,7 @@ class Shortening {
   /// part, or the next one where the work ends early.
   bool land(std::size_t from, bool at_end) {
     Window landed;
-    for (const std::size_t back : {std::size_t{0}, size_ / 2, size_}) {
+    for (const std::size_t back : {std::size_t{0}, window_.size / 2, window_.size}) {
       if (back > from) break;
       const std::size_t start = from - back;
       const double first = std::floor(shift_ + 0.01);
@@ -251,7 +250,8 @@ class Shortening {
   bool try_landing(std::size_t from, bool at_end, double shift, Window& landed) {
     const double left = static_cast<double>(part_.end - part_.begin) - shift - static_cast<double>(from);
     if (left < 3.0) return false;
-    const std::size_t count = at_end ? static_cast<std::size_t>(left) : std::min(static_cast<std::size_t>(left), size_);
+    const std::size_t count =
+        at_end ? static_cast<std::size_t>(left) : std::min(static_cast<std::size_t>(left), window_.size);
     Window w = window_at(from, count, shift - shift_);
     set_after(w, from, shift, 0.0);
     double share = 0.0;
@@ -272,7 +272,7 @@ class Shortening {
     return false;
   }
 
-  /// Whether every sample is in its tube and every joint within its tolerance. Where no window was solved, a mean of
+  /// Whether every sample is in its tube and every joint within its tolerance. If no window was solved, a mean of
   /// two copies of the old motion may cut both by a T^2/8.
   bool kept() const {
     std::array<double, program_axis_count> x{};
@@ -297,7 +297,8 @@ class Shortening {
   const FreePath& free_;
   const OldMotion old_;
   const FreePart part_;
-  const std::size_t n_, border_, size_;
+  const std::size_t n_;
+  const struct { std::size_t border, size; } window_;  // samples
   std::vector<double> passes_;
   double shift_ = 0.0;
   std::size_t first_pass_ = 0;

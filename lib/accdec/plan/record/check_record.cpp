@@ -64,9 +64,7 @@ void estimate_again(const ProgramRecord& record, const Toolpath& programmed, Pro
 /// Holds the commands against the program, and makes what is recorded of it again.
 void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
   const ProgramInputs& in = record.inputs;
-  Toolpath asked = programmed;
-  if (record.result.plan.trajectory() != nullptr) leave_room_for_arcs(asked, in.reading.read.arc_tolerance);
-  if (const std::string wrong = departs_from(record.result.plan.path, asked); !wrong.empty())
+  if (const std::string wrong = departs_from(record.result.plan.path, programmed); !wrong.empty())
     check.reasons.push_back(fmt::format("the commands are not those of {}: {}", in.program, wrong));
   else if (record.task.settings)
     check_corner_feeds(record.result, record.task, programmed, check.reasons);
@@ -93,7 +91,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
     found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, 0.0);
 }
 
-/// Where the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
+/// If the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
 void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
   const FilteredCommand* command = found.plan.command();
   if (command == nullptr || record.filters || record.result.feeds_chosen) return;
@@ -105,8 +103,8 @@ void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
 }
 
 /// Members that cannot be checked without the output of rs274, which is not kept.
-const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",    "feeds_clamped",
-                                              "lower_bound_s", "filter_bound_s", "estimates"};
+const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",     "feeds_clamped",
+                                              "lower_bound_s", "filter_bound_s", "estimates", "arcs"};
 
 RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, std::string shown) {
   reasons.insert(reasons.end(), compared.reasons.begin(), compared.reasons.end());
@@ -114,11 +112,13 @@ RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, 
 }
 
 RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
-  ProgramResultCheck check = verify_program_result(record.result, record.task, record.filters);
+  ProgramResult result = record.result;
+  if (programmed) take_arcs(result.plan.path, *programmed);
+  ProgramResultCheck check = verify_program_result(result, record.task, record.filters);
   check.found.task_machine = record.task.machine;
   compare_names(record, check.reasons);
   if (record.result.plan.path.tolerance.back() < unlimited || record.result.errors.back() != 0.0)
-    check.reasons.emplace_back("the last block ends in no joint: its tolerance must be null, and its error 0");
+    check.reasons.emplace_back("no move follows the last block: its tolerance must be null, and its error 0");
   std::vector<std::string> skip;
   if (!programmed) skip = of_the_program;
   // The plan of a filter a leg is made no more: its delays are compared with the tolerances, not with others.
@@ -134,8 +134,7 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
 RecordCheck check_planned_again(std::string_view text, const ProgramRecord& record, Toolpath programmed) {
   std::vector<std::string> reasons;
   compare_names(record, reasons);
-  const ProgramResult found = plan_profiles_of(record.inputs.program, std::move(programmed),
-                                               record.inputs.reading.read.arc_tolerance, record.task);
+  const ProgramResult found = plan_profiles_of(record.inputs.program, std::move(programmed), record.task);
   ProgramDifferences compared = program_differences(text, record, found, {});
   if (!compared.reasons.empty())
     reasons.emplace_back("accdec.profiles/1 holds no motion, and the program planned again has another one:");

@@ -71,17 +71,11 @@ std::string without_place(const std::string& worst) {
 class Comparison {
  public:
   /// @param recorded     the whole record, kept as is `found`
-  /// @param samples      of the motion
-  /// @param found_again  the times of other rules for delays were
+  /// @param result       that is compared
   /// @param whole        the result is of the present schema: what is always written must be there
-  Comparison(const Json& recorded, const Json& found, std::vector<std::string> skip, std::int64_t samples,
-             bool found_again, bool whole)
-      : recorded_(recorded),
-        again_(found),
-        skip_(std::move(skip)),
-        samples_(samples),
-        found_again_(found_again),
-        whole_(whole) {}
+  Comparison(const Json& recorded, const Json& found, std::vector<std::string> skip, const ProgramResult& result,
+             bool whole)
+      : recorded_(recorded), again_(found), skip_(std::move(skip)), result_(result), whole_(whole) {}
 
   void compare(const std::string& name, const Json& recorded, const Json& found) {
     if (skips(name)) return skip(name, recorded);
@@ -211,7 +205,8 @@ class Comparison {
     return skips(name) && !(whole_ && written);
   }
   bool skips(const std::string& name) const {
-    if (found_again_ &&
+    // Where the times of other rules for delays were found again.
+    if (result_.cycle_time_no_delay.has_value() &&
         (name == "cycle_time_no_delay_s" || name == "cycle_time_exact_stop_s" || name == "exact_stop_breaks"))
       return false;
     return not_compared_.contains(name) || std::find(skip_.begin(), skip_.end(), name) != skip_.end();
@@ -247,10 +242,14 @@ class Comparison {
   bool of_a_tie(const std::string& name, const Json& recorded, const Json& found) const {
     constexpr std::string_view limits = "limits[";
     if (name.starts_with(limits) && recorded.is_number_integer()) {
-      if (name.ends_with("].sample")) return recorded >= 0 && recorded <= samples_;
+      if (name.ends_with("].sample")) return recorded >= 0 && recorded <= result_.check.samples;
       const std::size_t i = std::stoul(name.substr(limits.size()));
       return name.ends_with("].line") &&
              recorded_["limits"][i].value("sample", Json()) != again_["limits"][i]["sample"];
+    }
+    if (name == "arcs.worst_line") {
+      const Toolpath& path = result_.plan.path;
+      return std::ranges::any_of(path.arcs, [&](const PathArc& arc) { return recorded == path.line[arc.first]; });
     }
     return name == "verification.worst" && recorded.is_string() && found.is_string() &&
            without_place(recorded.get<std::string>()) == without_place(found.get<std::string>()) &&
@@ -275,8 +274,8 @@ class Comparison {
   const Json& not_compared_ = not_compared_members();
   const Json &recorded_, &again_;
   std::vector<std::string> skip_;
-  std::int64_t samples_;
-  bool found_again_, whole_;
+  const ProgramResult& result_;
+  bool whole_;
   ProgramDifferences found_;
 };
 
@@ -291,7 +290,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   recorded.erase("commands");
   recorded.erase("settings");
   const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
-  Comparison comparison(recorded, again, skip, found.check.samples, found.cycle_time_no_delay.has_value(), whole);
+  Comparison comparison(recorded, again, skip, found, whole);
   comparison.compare("", recorded, again);
   comparison.check_bound(recorded, again);
   comparison.check_bounds(recorded, again);

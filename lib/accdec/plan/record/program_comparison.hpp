@@ -8,7 +8,7 @@
 
 namespace accdec {
 
-/// What comparing a recorded result with one made again found.
+/// The differences found between a recorded result and one made again.
 struct ProgramDifferences {
   std::vector<std::string> reasons;  ///< at most ten, in the order of the file
   std::vector<std::string> skipped;  ///< members of the result that were not compared

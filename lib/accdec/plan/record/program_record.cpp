@@ -69,8 +69,8 @@ class Reader {
     }
     const Machine machine = program_machine(record_.task.machine, r.plan.path);
     if (!has_servo(machine)) return;
-    require_common_servo(machine, r.sample_period, "a program");
-    command->moved = Response(machine, r.sample_period).motion(command->filter);
+    const FilterBehind behind(command->filter, machine, r.sample_period);
+    command->moved.assign(behind.servo().begin(), behind.servo().end());
   }
 
   void read_summary() {
@@ -145,7 +145,7 @@ class Reader {
     use.utilisation = json["utilisation"].number();
     use.sample = json["sample"].integer<std::int64_t>();
     use.line = json["line"].integer<std::uint32_t>();
-    if (use.kind == LimitKind::vibration) use.frequency = json["frequency_Hz"].number();
+    if (of_mode(use.kind)) use.frequency = json["frequency_Hz"].number();
     if (json.has("damping_ratio")) use.damping = json["damping_ratio"].number();
     return use;
   }
@@ -170,6 +170,8 @@ class Reader {
         in.task_text, in.task_path + " (in " + name_ + ")",
         {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
     in.reading.error_max = record_.task.program_error_max;
+    in.reading.room_for_chords = record_.schema != ProgramSchema::program_1;
+    in.reading.contour_max = record_.task.program_contour_max.value_or(unlimited);
   }
 
   static std::vector<std::uint8_t> flags(const Value& json) {
@@ -203,6 +205,7 @@ class Reader {
       path.dwell.emplace_back(pair[0].integer<std::uint32_t>(), pair[1].number());
     }
     path.dwell_first = json["dwell_first_s"].number();
+    path.contour_max = record_.task.program_contour_max.value_or(unlimited);
     result.errors = json["error_m"].numbers_or_infinity();
     check_path(json);
     if (auto* command = std::get_if<FilteredCommand>(&result.plan.motion)) {

@@ -40,7 +40,7 @@ Json as_program_1(Json json, const ProgramResult& result, bool per_leg) {
   if (per_leg) json["plan"] = "per-leg";
   json["blocks"] = result.programmed_moves;
   json["corners"] = corners_with_chords(json["corners"], result);
-  for (const char* name : {"straight_moves", "repair_rounds", "axis_loads"}) json.erase(name);
+  for (const char* name : {"straight_moves", "arcs", "repair_rounds", "axis_loads"}) json.erase(name);
   return json;
 }
 

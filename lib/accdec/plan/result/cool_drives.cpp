@@ -18,7 +18,7 @@ double warmest_drive(const ScheduledPlan& plan, const Filter& filter, double sam
   result.sample_period = sample_period;
   result.check.samples = plan.plan.simulation.samples;
   FilteredCommand command{filter, plan.plan.delays};
-  if (!behind.ideal()) command.moved = behind.motion();
+  command.moved.assign(behind.servo().begin(), behind.servo().end());
   result.plan = {plan.path, std::move(command)};
   double most = 0.0;
   for (const AxisLoad& load : axis_loads(result, machine)) most = std::max(most, load.rms / load.rms_max);

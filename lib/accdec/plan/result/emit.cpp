@@ -44,11 +44,10 @@ class Emission {
         path_(result.plan.path),
         filter_(result.plan.filter()),
         machine_(program_machine(result.task_machine, path_)),
-        n_(path_.dimensions()),
         lines_(out),
         timed_(timed_axis),
         decimals_(decimals_needed()),
-        written_(n_, "0") {}
+        written_(path_.dimensions(), "0") {}
 
   void write() {
     if (timed_.used()) timed_.require(result_);
@@ -114,7 +113,7 @@ class Emission {
       to.append(1, ' ').append(1, program_axes[a]).append(value);
       const Axis* axis = find_axis(result_.task_machine, a);
       limited = limited && axis != nullptr && axis->velocity_max < unlimited;
-      for (std::size_t i = 0; i < n_; ++i) {
+      for (std::size_t i = 0; i < path_.dimensions(); ++i) {
         if (path_.axes[i] == a) written_[i] = value;
       }
     }
@@ -137,7 +136,8 @@ class Emission {
     double least = 1e-12;  // m
     for (std::size_t b = 0; b < path_.blocks(); ++b) {
       double length = 0.0;
-      for (std::size_t a = 0; a < n_; ++a) length = std::hypot(length, path_.point(b + 1)[a] - path_.point(b)[a]);
+      for (std::size_t a = 0; a < path_.dimensions(); ++a)
+        length = std::hypot(length, path_.point(b + 1)[a] - path_.point(b)[a]);
       least = std::min(least, 1e-7 * length / path_.duration[b] * result_.sample_period);
     }
     for (const LimitUse& use : result_.check.limits) {
@@ -159,7 +159,7 @@ class Emission {
   /// not yet positioned.
   std::string words(const double* point) {
     std::string text;
-    for (std::size_t a = 0; a < n_; ++a) {
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
       std::string value = coordinate(point[a] * 1e3);
       if (value == written_[a]) continue;
       text.append(1, ' ').append(1, program_axes[path_.axes[a]]).append(value);
@@ -199,7 +199,7 @@ class Emission {
   /// the tolerance of the programmed point, so it may be this much farther from the commanded point.
   double moved(std::size_t i) const {
     double sum = 0.0;
-    for (std::size_t a = 0; a < n_; ++a) sum += std::pow(path_.point(i)[a] - path_.asked(i)[a], 2);
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) sum += std::pow(path_.point(i)[a] - path_.asked(i)[a], 2);
     return std::ceil(std::sqrt(sum) * 1e6) * 1e-6;
   }
 
@@ -249,7 +249,7 @@ class Emission {
 
   std::string feed(std::size_t b) const {
     ProgramPoint from{}, end{};
-    for (std::size_t a = 0; a < n_; ++a) {
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
       from[path_.axes[a]] = path_.point(b)[a];
       end[path_.axes[a]] = path_.point(b + 1)[a];
     }
@@ -269,7 +269,7 @@ class Emission {
       if (!move.empty()) feed_.clear();
       return;
     }
-    if (!last && path_.joint[b] == Joint::stop && result_.plan.command()->moved) return servo_rest(b);
+    if (!last && path_.joint[b] == Joint::stop && !result_.plan.command()->moved.empty()) return servo_rest(b);
     if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
     int delay = result_.plan.delay(b);
     if (kind_of(result_, b) == DelayKind::exact_stop) delay -= filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
@@ -286,7 +286,6 @@ class Emission {
   const Toolpath& path_;
   const Filter& filter_;
   const Machine machine_;  // one axis a dimension
-  std::size_t n_;
   EmittedLines lines_;
   TimedMoves timed_;
   const int decimals_;

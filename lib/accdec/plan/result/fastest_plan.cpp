@@ -10,31 +10,21 @@
 #include <accdec/files.hpp>
 #include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 
 namespace accdec {
 PlanTime time_of(const ProgramResult& r) {
   // Only profiles may be without a plan, where checking its samples takes longer than the time limit.
-  return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible};
+  return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible,
+          r.verification.feasible ? "" : r.verification.worst};
 }
 
 void require_plan(const ProgramResult& result) {
   if (result.plan.empty()) throw std::invalid_argument(result.message + "; give --time-limit longer");
 }
 
-void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
-  // The path may be off a chord's end by the tolerance, and the chord off its arc by more.
-  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    const double tolerance = path.tolerance[b];
-    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
-    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
-  }
-}
-
-ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
-                               const Deadline& deadline) {
+ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
   const double bound = program_lower_bound(path, program_machine(task.machine, path), task.sample_period);
-  leave_room_for_arcs(path, arc_tolerance);
   ProgramResult result = run_profiles(name, std::move(path), task, deadline);
   result.lower_bound = bound;
   return result;
@@ -60,16 +50,16 @@ namespace {
 
 ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task& task,
                           const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
-  if (options.feeds == Feeds::keep) {
+  if (options.fixed.feeds == Feeds::keep) {
     throw std::invalid_argument(
         "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
   }
   // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
   const bool several = file.path.blocks() <= several_plans_max;
   const double chords = file.reading.read.arc_tolerance;
-  // Where checking its samples takes all the time there is, one filter may still be planned.
+  // If checking its samples takes all the time there is, one filter may still be planned.
   const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
-  ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
+  ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   const bool late = !several || options.deadline.over();
@@ -77,7 +67,7 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   std::optional<AlongPlan> along;
   if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
   ProgramFile copy = file;
-  ProgramResult other = run_program_file(name, copy, task, options, tell);
+  ProgramResult other = run_fixed_plan(name, copy, task, options, tell);
   ProgramResult& best = along ? along->result : profiles;
   if (along) along->result.candidates = {time_of(profiles)};
   if (other.plan.empty()) {

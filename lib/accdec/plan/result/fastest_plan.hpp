@@ -13,15 +13,18 @@ PlanTime time_of(const ProgramResult& result);
 /// @throws std::invalid_argument with the result's message if it has no plan: then there is nothing to print
 void require_plan(const ProgramResult& result);
 
-/// Narrows the tolerances beside arcs by what their chords may be off, so that a motion within them is within the
-/// program's of the arcs.
-/// @param arc_tolerance  m, that the path was read with
-void leave_room_for_arcs(Toolpath& path, double arc_tolerance);
+/// Plan profiles, or one filter if that is faster. Programs of up to `several_plans_max` blocks are also planned with
+/// one filter. The answer is the faster of the plans that hold all limits, with the time of the other as its candidate.
+/// If none holds, it is the plan profiles with a message.
+/// @param file     as read; its `reading` becomes that of the answer
+/// @param options  for the plan beside it
+/// @param tell     one line a step, may be empty
+/// @throws std::invalid_argument as run_profiles, and for Feeds::keep, because its ramps choose the feeds
+ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
 
-/// Plan profiles of a program, with room in its tolerances for what chords leave of their arcs.
-/// @param arc_tolerance  m, that the path was read with
-ProgramResult plan_profiles_of(const std::string& name, Toolpath path, double arc_tolerance, const Task& task,
-                               const Deadline& deadline = {});
+/// Plan profiles of a program, with its lower bound.
+ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline = {});
 
 /// Bounds of corners, for sums of monotone legs and for any motion, whichever plan. Made for programs of up to
 /// `several_plans_max` blocks: longer ones take longer to bound than to plan.

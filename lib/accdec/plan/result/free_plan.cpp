@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
+#include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
@@ -20,7 +22,7 @@ namespace {
 }
 
 void refuse_options(const Toolpath& path, const ProgramFileOptions& options) {
-  if (options.feeds == Feeds::keep)
+  if (options.fixed.feeds == Feeds::keep)
     refuse("takes F as an upper bound and chooses the speed of every sample", "only plan fixed keeps feeds");
   if (!path.given.empty()) refuse("takes no delays from the program", "leave out --dwells-before-filter");
 }
@@ -55,20 +57,21 @@ std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadlin
 }
 
 /// One filter for the program, in a part of the time; if there is no other plan, even when the time is over.
-std::optional<ProgramResult> fixed_beside(const std::string& name, ProgramFile& file, const Task& task,
-                                          ProgramFileOptions options, bool only) {
+std::optional<FixedPlan> fixed_beside(const std::string& name, const ProgramFile& file, const Task& task,
+                                      ProgramFileOptions options, bool only) {
   if (!only && (file.path.blocks() > several_plans_max || options.deadline.over())) return {};
   if (const double left = options.deadline.left(); options.time_limit || left < unlimited) {
     options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
     options.deadline = options.deadline.within(*options.time_limit);
   }
-  ProgramResult fixed = run_program_file(name, file, task, options, {});
-  if (fixed.plan.empty() || !fixed.verification.feasible) return {};
+  FixedPlan fixed{file, {}};
+  fixed.result = run_fixed_plan(name, fixed.file, task, options, {});
+  if (fixed.result.plan.empty() || !fixed.result.verification.feasible) return {};
   return fixed;
 }
 
 /// The fastest of the plans as samples: profiles, along its arcs, or one filter.
-AlongPlan fastest_samples(const ProgramResult& profiles, const std::optional<ProgramResult>& fixed, const Task& task,
+AlongPlan fastest_samples(const ProgramResult& profiles, const ProgramResult* fixed, const Task& task,
                           const Deadline& deadline) {
   const Toolpath& path = profiles.plan.path;
   std::optional<AlongPlan> along = plan_along(profiles, task, deadline);
@@ -76,7 +79,7 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const std::optional<Pro
   if (fixed && fixed->cycle_time < best) {
     if (std::optional<FreeSamples> samples = sampled(path, fixed->plan, profiles.sample_period)) {
       ProgramResult result = with_samples(profiles, *samples);
-      // Where many moves overlap, a filter may leave the tube around a leg.
+      // If many moves overlap, a filter may leave the tube around a leg.
       const std::string broken = judge_free_motion(result, program_machine(task.machine, path));
       if (broken.empty() && result.cycle_time < best) return {std::move(result), std::move(*samples)};
     }
@@ -86,10 +89,10 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const std::optional<Pro
 }
 
 /// The beginning with its samples shortened; the beginning itself where nothing is gained.
-ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine, const FreeOptions& free,
-                        const std::function<void(const std::string&)>& tell) {
+ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine,
+                        const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
-  const FreeReport report = shorten_motion(tube, begun.samples, free);
+  const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   if (report.ended && tell) tell("ended early with the best motion so far");
   ProgramResult result = with_samples(profiles, begun.samples);
   const std::string broken = judge_free_motion(result, machine);
@@ -106,31 +109,31 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
 }  // namespace
 
 ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
-                            const ProgramFileOptions& options, FreeOptions free,
-                            const std::function<void(const std::string&)>& tell) {
+                            const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell,
+                            std::optional<FixedPlan> fixed) {
   refuse_options(file.path, options);
   refuse_limits(task, file.path);
   const auto start = std::chrono::steady_clock::now();
   if (tell) tell("plan profiles, which the free motion begins with");
   const double chords = file.reading.read.arc_tolerance;
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
-  ProgramResult profiles = plan_profiles_of(name, file.path, chords, task, most);
+  ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
   if (file.path.blocks() <= several_plans_max)
     profiles.corner_bound = corner_bound_of(file.path, task, options.deadline, true);
   const std::string no_motion = why_no_motion(profiles, options.deadline);
-  ProgramFile copy = file;
   // One filter may be faster than profiles, and than any motion that was found.
   const bool only = profiles.plan.empty() || !profiles.verification.feasible;
-  std::optional<ProgramResult> fixed = fixed_beside(name, copy, task, options, only);
+  if (!fixed) fixed = fixed_beside(name, file, task, options, only);
+  ProgramResult* const beside = fixed ? &fixed->result : nullptr;
   const auto answer = [&](ProgramResult result) {
-    if (fixed && (!result.verification.feasible || fixed->cycle_time < result.cycle_time)) {
-      std::swap(*fixed, result);
-      file.reading = copy.reading;
-      if (fixed->corner_bound)
-        result.corner_bound = corner_bound_as_read(*fixed->corner_bound, chords, name, file, task, options);
+    if (beside && (!result.verification.feasible || beside->cycle_time < result.cycle_time)) {
+      std::swap(*beside, result);
+      file.reading = fixed->file.reading;
+      if (beside->corner_bound)
+        result.corner_bound = corner_bound_as_read(*beside->corner_bound, chords, name, file, task, options);
       if (tell) tell("plan fixed is faster than the free motion that was found");
     }
-    if (fixed) result.candidates.push_back(time_of(*fixed));
+    if (beside) result.candidates.push_back(time_of(*beside));
     require_plan(result);
     result.solver.wall_time = seconds_since(start);
     return result;
@@ -139,10 +142,9 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
     if (tell) tell(no_motion + ": the plan stays what it is");
     return answer(std::move(profiles));
   }
-  free.deadline = options.deadline;
   const Machine machine = program_machine(task.machine, profiles.plan.path);
-  AlongPlan begun = fastest_samples(profiles, fixed, task, options.deadline);
-  ProgramResult result = shortened(profiles, std::move(begun), machine, free, tell);
+  AlongPlan begun = fastest_samples(profiles, beside, task, options.deadline);
+  ProgramResult result = shortened(profiles, std::move(begun), machine, options, tell);
   if (options.compensate_arcs)
     result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
   return answer(std::move(result));

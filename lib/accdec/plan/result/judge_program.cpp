@@ -7,10 +7,12 @@
 
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/result/arc_error.hpp>
 #include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/feed_override.hpp>
 #include <accdec/plan/result/servo_report.hpp>
 #include <accdec/program.hpp>
+#include <accdec/simulate/sample_check.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -40,6 +42,13 @@ void judge_limits(ProgramResult& result) {
     worst = result.worst_utilisation;
     report.worst = fmt::format("corner error: {:.1f} % of its tolerance, line {}", 100.0 * worst, result.worst_line);
   }
+  const bool on_arcs = !result.arcs || holds(result.arcs->error, result.arcs->tolerance);
+  if (!on_arcs) {
+    const double use = utilisation_of(LimitKind::corner_error, result.arcs->error, result.arcs->tolerance);
+    worst = std::max(worst, use);
+    report.worst =
+        fmt::format("distance from an arc: {:.1f} % of its tolerance, line {}", 100.0 * use, result.arcs->line);
+  }
   bool rated = true;
   for (const AxisLoad& load : result.loads) {
     const double use = load.rms / load.rms_max;
@@ -52,7 +61,7 @@ void judge_limits(ProgramResult& result) {
   result.check.limits_hold = std::all_of(limits.begin(), limits.end(), [](const LimitUse& use) {
     return use.utilisation <= 1.0 + verification_tolerance;
   });
-  report.feasible = result.check.errors_hold && result.check.limits_hold && rated;
+  report.feasible = result.check.errors_hold && result.check.limits_hold && on_arcs && rated;
   result.status = report.feasible ? Status::feasible : Status::failed;
   if (!report.feasible) result.message = "a limit is broken: " + report.worst;
 }
@@ -95,6 +104,8 @@ void judge_program(ProgramResult& result, const Machine& machine) {
   add_vibration(result, machine);
   if (result.plan.path.blocks() <= several_plans_max || has_ratings(machine))
     result.loads = axis_loads(result, machine);
+  if (result.plan.path.blocks() <= several_plans_max && !result.arcs)
+    result.arcs = arc_error(result.plan, result.sample_period);
   judge_limits(result);
   if (result.plan.path.blocks() <= several_plans_max) result.servo = servo_report(result);
   const FilteredCommand* command = result.plan.command();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -52,9 +53,11 @@ class DepartureWalk {
     for (std::size_t b = 0; b < programmed_.blocks(); ++b, ++at_) {
       if (const char* wrong = along(b)) return fmt::format("line {}: {}", programmed_.line[b], wrong);
       if (const char* wrong = end_of(b)) return fmt::format("line {}: {}", programmed_.line[b], wrong);
+      ends_.push_back(static_cast<std::uint32_t>(at_));
     }
     return at_ == commanded_.blocks() ? "" : "the commands go on after the program's end";
   }
+  const std::vector<std::uint32_t>& ends() const { return ends_; }
 
  private:
   /// To the command that ends where block b does.
@@ -95,7 +98,7 @@ class DepartureWalk {
       if (programmed_.joint[b] == Joint::stop && commanded_.joint[at_] != Joint::stop)
         return "the program stops, the commands do not";
       if (programmed_.joint[b] != commanded_.joint[at_] || programmed_.inside_arc[b] != commanded_.inside_arc[at_])
-        return "its end is recorded as another kind of joint";
+        return "its end is recorded as of another kind";
       const double own = commanded_.tolerance[at_], asked = programmed_.tolerance[b];
       if (own > asked * (1.0 + 1e-9)) return "the tolerance is wider than the program's";
       if (own < asked * (1.0 - 1e-9)) return "the tolerance is narrower than the program's";
@@ -108,6 +111,7 @@ class DepartureWalk {
   }
 
   const Toolpath &commanded_, &programmed_;
+  std::vector<std::uint32_t> ends_;  // commands at the ends of programmed blocks
   std::map<std::size_t, double> own_, asked_;
   std::size_t at_ = 0;  // of the commands
 };
@@ -120,6 +124,18 @@ std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) 
     return "it begins elsewhere";
   if (!same_time(commanded.dwell_first, programmed.dwell_first)) return "the dwell before the first block is another";
   return DepartureWalk(commanded, programmed).run();
+}
+
+void take_arcs(Toolpath& commanded, const Toolpath& programmed) {
+  commanded.arcs.clear();
+  if (commanded.axes != programmed.axes) return;
+  DepartureWalk walk(commanded, programmed);
+  if (!walk.run().empty()) return;
+  for (PathArc arc : programmed.arcs) {
+    arc.first = arc.first > 0 ? walk.ends()[arc.first - 1] + 1 : 0;
+    arc.last = walk.ends()[arc.last];
+    commanded.arcs.push_back(arc);
+  }
 }
 
 }  // namespace accdec

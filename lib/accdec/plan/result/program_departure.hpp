@@ -11,4 +11,7 @@ namespace accdec {
 /// every stop and dwell kept. Empty if all agree, else the first difference.
 std::string departs_from(const Toolpath& commanded, const Toolpath& programmed);
 
+/// Gives a commanded path the arcs of the program, at the commands that their chords became; none if it departs.
+void take_arcs(Toolpath& commanded, const Toolpath& programmed);
+
 }  // namespace accdec

@@ -22,7 +22,7 @@ Json limits_json(const ProgramResult& result) {
     Json item{{"kind", to_string(use.kind)}, {"axis", use.axis},           {"line", use.line},
               {"value", number(use.value)},  {"bound", number(use.bound)}, {"utilisation", number(use.utilisation)},
               {"sample", use.sample}};
-    if (use.kind == LimitKind::vibration) item["frequency_Hz"] = number(use.frequency);
+    if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
     list.push_back(std::move(item));
   }
@@ -104,6 +104,7 @@ void add_times(Json& json, const ProgramResult& result) {
     json["servo"] = {{"settling_s", result.servo->settling},
                      {"within_m", result.servo->within},
                      {"stop_error_m", number(result.servo->stop_error)}};
+  if (result.servo && result.plan.command()->moved.size() > 1) json["servo"]["axes_differ"] = true;
   if (!result.overrides.empty()) json["feed_overrides"] = overrides_json(result);
   json["delay_total_s"] = result.delay_total;
 }
@@ -136,6 +137,10 @@ std::string program_to_json(const ProgramResult& result) {
                      {"worst_error_m", number(result.worst_error)},
                      {"worst_utilisation", number(result.worst_utilisation)},
                      {"worst_line", result.worst_line}};
+  if (result.arcs)
+    json["arcs"] = {{"worst_error_m", number(result.arcs->error)},
+                    {"error_max_m", number(result.arcs->tolerance)},
+                    {"worst_line", result.arcs->line}};
   json["worst_corners"] = worst_corners_json(result);
   json["feeds_slowed"] = Json::array();
   for (const SlowedFeeds& slowed : result.too_fast) {

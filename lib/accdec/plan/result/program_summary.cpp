@@ -89,6 +89,7 @@ class SummaryText {
         row(describe(other), other.time);
       else
         put("  {}\n", describe(other));
+      if (other.time > 0.0 && !other.broken.empty()) put("    it breaks {}\n", other.broken);
     }
     if (result_.plan.command() != nullptr) row("  of it delays", result_.delay_total);
     // The rows below are then those of the programmed feeds, too.
@@ -123,6 +124,8 @@ class SummaryText {
       put("  errors are those behind the servo; {:.4g} s after the command, the motion is within {:.4g} um of its "
           "end\n",
           servo->settling, servo->within * 1e6);
+      if (result_.plan.command()->moved.size() > 1)
+        put("  axes have different servos: every sample is verified, nothing is proved of shorter plans\n");
       if (servo->stop_error > 0.0)
         put("  at stops the control waits for the command: the motion leaves out up to {:.3f} um\n",
             servo->stop_error * 1e6);
@@ -200,7 +203,9 @@ class SummaryText {
       const auto [unit, per_si] = unit_of(use.kind, use.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis, per_si * use.value,
           per_si * use.bound, unit, 100.0 * use.utilisation,
-          use.kind == LimitKind::vibration ? place_of_vibration(use) : fmt::format("line {}", use.line));
+          use.kind == LimitKind::vibration ? place_of_vibration(use)
+          : of_mode(use.kind)              ? fmt::format("line {}, {}", use.line, place_of_vibration(use, 4))
+                                           : fmt::format("line {}", use.line));
     }
     for (const AxisLoad& load : result_.loads) {
       const auto [unit, per_si] = unit_of(LimitKind::force, load.axis);

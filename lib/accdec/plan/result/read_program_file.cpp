@@ -82,7 +82,7 @@ void say_systems(Toolpath& path, const std::string& file, bool interpreted, cons
   }
 }
 
-/// What our own reader makes of the tools.
+/// Says what our own reader makes of the tools.
 /// @throws std::invalid_argument if the program takes a length that nobody gave
 void say_tools(Toolpath& path, const std::string& file, const ProgramTools& tools, const Tell& tell) {
   if (path.length_at) {
@@ -125,10 +125,11 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
   ProgramFile result;
   ToolpathOptions& reading = result.reading;
   reading.read.arc_tolerance =
-      options.arc_tolerance.value_or(options.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);
+      options.arc_tolerance.value_or(options.fixed.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);
   reading.widen_arcs = options.compensate_arcs;
   reading.error_max = task.program_error_max;
-  reading.clamp_feeds = options.feeds == Feeds::choose;
+  reading.contour_max = task.program_contour_max.value_or(unlimited);
+  reading.clamp_feeds = options.fixed.feeds == Feeds::choose;
   reading.rapid_stops = options.rapid_stops;
   reading.read.tools = options.tools.given();
   reading.dwells_before_filter = options.dwells_before_filter;

@@ -64,7 +64,7 @@ void visit_samples(const ProgramResult& result, const SampleVisitor& visit, Stea
 
 void write_samples(const ProgramResult& result, std::ostream& out) {
   const FilteredCommand* command = result.plan.command();
-  const bool servo = command != nullptr && command->moved;
+  const bool servo = command != nullptr && !command->moved.empty();
   SampleTable table(result.plan.path, result.sample_period, out, servo, result.task_machine.position_unit);
   Motion behind(result.plan, result.sample_period, true);
   Sample motion;
@@ -97,7 +97,7 @@ std::string describe(const PlanTime& plan) {
 }
 
 std::string describe(const CornerBound& bound) {
-  return fmt::format("{} of {} joints have legs long enough to count, {} linear programs{}", bound.counted,
+  return fmt::format("{} of {} corners have legs long enough to count, {} linear programs{}", bound.counted,
                      bound.corners, bound.classes, bound.complete ? "" : ", not all of them solved");
 }
 

@@ -5,18 +5,33 @@
 #include <accdec/plan/result/servo_report.hpp>
 
 namespace accdec {
+namespace {
+
+/// The least tolerance that the program gives, m. Joints of arcs have less: their chords take a part.
+double least_tolerance(const Toolpath& path) {
+  constexpr double usual = 1e-6;  // without any
+  const auto inside = [&](std::size_t b) { return b < path.blocks() && path.inside_arc[b] != 0; };
+  double corners = unlimited, arcs = unlimited;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    const bool of_arc = inside(b) || inside(b + 1) || (b > 0 && inside(b - 1));
+    double& least = of_arc ? arcs : corners;
+    if (path.tolerance[b] > 0.0) least = std::min(least, path.tolerance[b]);
+  }
+  const double least = std::min(corners, arcs + path.narrowed);
+  return least < unlimited ? least : usual;
+}
+
+}  // namespace
 
 std::optional<ServoReport> servo_report(const ProgramResult& result) {
   const FilteredCommand* command = result.plan.command();
-  if (command == nullptr || !command->moved) return std::nullopt;
+  if (command == nullptr || command->moved.empty()) return std::nullopt;
   const Toolpath& path = result.plan.path;
-  constexpr double usual = 1e-6;  // m
-  double least = unlimited, stops = 0.0;
+  double stops = 0.0;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-    if (path.tolerance[b] > 0.0) least = std::min(least, path.tolerance[b]);
     if (path.joint[b] == Joint::stop) stops = std::max(stops, result.errors[b]);
   }
-  ServoReport report{.settling = 0.0, .within = least < unlimited ? least : usual, .stop_error = stops};
+  ServoReport report{.settling = 0.0, .within = least_tolerance(path), .stop_error = stops};
   const double* end = path.point(path.blocks());
   std::int64_t settled = 0;
   const auto look = [&](std::int64_t k, const double* position, const double*) {

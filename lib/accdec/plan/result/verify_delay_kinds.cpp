@@ -44,7 +44,7 @@ class DelayKindsCheck {
       in_position = in_position || chosen.delays[b] == DelayKind::in_position;
     }
     if (in_position != chosen.width.has_value())
-      wrong("an in-position width must be recorded with joints that are in-position, and only then");
+      wrong("an in-position width must be recorded with corners that are in-position, and only then");
   }
 
  private:

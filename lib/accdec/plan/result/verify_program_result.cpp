@@ -10,7 +10,9 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/result/used_limits.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
+#include <accdec/plan/result/verify_path.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/simulate/arc_points.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_check.hpp>
@@ -76,6 +78,7 @@ class CommandCheck {
     check_limits(motion, behind);
     check_ratings(behind);
     check_settling(behind);
+    check_arcs(behind);
     check_vibration();
     describe(motion, time);
     report_.accepted = report_.reasons.empty();
@@ -141,6 +144,13 @@ class CommandCheck {
       if (machine_.*limit.bound < unlimited)
         check_limit(i++, use_of_supply(motion, machine_, limit.kind, result_.sample_period), "");
     }
+    if (path_.contour_max < unlimited)
+      check_limit(i++, use_of_contour(motion, path_, filters_.order_max() + filters_.behind), "");
+    for (const Mode& mode : machine_.modes) {
+      if (mode.of_axis())
+        check_limit(i++, use_of_mode(command, path_, result_.sample_period, command_.delays, filter_, mode),
+                    machine_.axes[static_cast<std::size_t>(mode.axis)].name);
+    }
     limits_ = i;
   }
 
@@ -153,6 +163,18 @@ class CommandCheck {
         wrong(fmt::format("root mean square of the force {} is {:.9g} N, above its rating {:.9g} N", axis.name, rms,
                           axis.force_rms_max));
     }
+  }
+
+  void check_arcs(const DirectMotion& motion) {
+    ArcPoints arcs(path_);
+    for (std::size_t i = 0; i < arcs.count(); ++i) {
+      const std::size_t b = arcs.block(i);
+      const std::int64_t first = b > 0 ? motion.windows[b - 1].first : 0;
+      const std::int64_t last =
+          b < motion.windows.size() ? motion.windows[b].last : std::ssize(motion.position.front()) - 1;
+      arcs.set_distance(i, direct_distance(motion, arcs.point(i), first, last, true));
+    }
+    arcs_ = arcs.worst();
   }
 
   void check_limit(std::size_t i, const UseOfLimit& use, const std::string& axis) {
@@ -216,6 +238,7 @@ class CommandCheck {
     found.check.limits = result_.check.limits;
     found.check.limits.resize(std::min(limits_, found.check.limits.size()));
     found.cycle_time = time;
+    found.arcs = arcs_;
     judge_program(found, machine_);
     if (per_leg_) take_worst_vibration(found);
   }
@@ -240,6 +263,7 @@ class CommandCheck {
   const Machine machine_;
   const BlockFilters filters_;
   ProgramResultCheck report_;
+  std::optional<ArcError> arcs_;
   std::size_t limits_ = 0;  // of axes
   Simulation lines_;        // made when first asked for
 };

@@ -71,20 +71,11 @@ double LastFilter::Table::at(double x) const {
   return (1.0 - part) * values[k] + part * values[k + 1];
 }
 
-double LastFilter::deviation(double tau) const {
-  if (boxcar_ > 0) {
-    // For continuous boxcars, which are slightly longer than the sums of their taps.
-    const double p = std::max(tau, window()), q = std::min(tau, window());
-    return p > 0.0 ? 0.25 * p + q * q / (12.0 * p) : 0.0;
-  }
+double LastFilter::deviation_of(double tau) const {
   return tau >= 2.0 * reach_ ? variance_ / tau + 0.25 * tau : deviation_.at(tau);
 }
 
-double LastFilter::beyond(double h) const {
-  if (boxcar_ > 0) {
-    const double left = 0.5 * window() - h;
-    return left > 0.0 ? left * left * left / (3.0 * window()) : 0.0;
-  }
+double LastFilter::beyond_of(double h) const {
   return h >= reach_ ? 0.0 : beyond_.at(h);
 }
 
@@ -128,7 +119,7 @@ struct Candidate {
 };
 
 bool holds_bounds(const Candidate& candidate, const Machine& modes, double period) {
-  // What fails at some of the frequencies need not be looked at closely.
+  // A candidate that fails at some of the frequencies need not be looked at closely.
   constexpr int places = 8;
   const auto frequency = [&](const Mode& mode, int i) {
     return mode.frequency_low + (mode.frequency_high - mode.frequency_low) * i / places;

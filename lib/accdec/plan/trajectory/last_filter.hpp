@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <accdec/files.hpp>
@@ -29,9 +30,18 @@ class LastFilter {
   /// swing/swing_time: T over half the sum of |b_i - b_{i-1}|, (N + 1) T for a boxcar.
   double swing_time() const { return swing_time_; }
   /// E|U + G - M|, s: n v/2 times this is the distance of a corner passed at v whose own boxcar is tau long.
-  double deviation(double tau) const;
+  double deviation(double tau) const {
+    if (boxcar_ == 0) return deviation_of(tau);
+    // For continuous boxcars, which are slightly longer than the sums of their taps.
+    const double p = std::max(tau, window()), q = std::min(tau, window());
+    return p > 0.0 ? 0.25 * p + q * q / (12.0 * p) : 0.0;
+  }
   /// E max(G - M - h, 0)^2 or that of M - G, whichever is larger, s^2; h >= 0.
-  double beyond(double h) const;
+  double beyond(double h) const {
+    if (boxcar_ == 0) return beyond_of(h);
+    const double left = 0.5 * window() - h;
+    return left > 0.0 ? left * left * left / (3.0 * window()) : 0.0;
+  }
 
  private:
   /// A convex function at even steps from 0; between them on the chord, which is above it.
@@ -40,6 +50,8 @@ class LastFilter {
     std::vector<double> values;
     double at(double x) const;
   };
+  double deviation_of(double tau) const;
+  double beyond_of(double h) const;
 
   Filter filter_;
   double span_ = 0.0, swing_time_ = 0.0, variance_ = 0.0, reach_ = 0.0;

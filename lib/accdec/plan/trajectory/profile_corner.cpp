@@ -19,6 +19,24 @@ double stretch_at(const AvailableAcceleration& available, std::size_t dimensions
   return stretch;
 }
 
+/// The largest x in [0, high] for which excess(x) <= 0, to a millionth of `high` below it. The excess grows.
+/// @param below, above  of 0 and of `high`: <= 0 and > 0
+template <class Excess>
+double largest_holding(double high, double below, double above, const Excess& excess) {
+  double low = 0.0;
+  const double exact = 1e-6 * high;
+  double aside = -0.4 * exact;  // from the root, to the side that is farther from it
+  for (int i = 0; high - low > exact; ++i) {
+    const double root = i % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * below / (below - above) + aside;
+    const double x = std::clamp(root, low + 0.1 * exact, high - 0.1 * exact), value = excess(x);
+    const bool holds = value <= 0.0;
+    (holds ? low : high) = x;
+    (holds ? below : above) = value;
+    aside = holds ? 0.4 * exact : -0.4 * exact;
+  }
+  return low;
+}
+
 /// How long the motion must be steady on both sides, between braking before the corner, the corner and speeding up
 /// after it. Then no axis changes its acceleration by more than its swing within the window.
 double least_coast(const AvailableAcceleration& available, std::size_t dimensions, const ProfileLegs& legs,
@@ -43,29 +61,31 @@ class CornerSearch {
         dimensions_(dimensions),
         legs_(legs),
         n_(n),
-        ramp_(std::max(legs.ramp_in, legs.ramp_out)) {}
+        ramp_(std::max(legs.ramp_in, legs.ramp_out)),
+        reached_(std::min(legs.feed, std::sqrt(ramp_ * legs.room))) {}
 
   double stretch(double v) const { return stretch_at(available_, dimensions_, legs_, v); }
   double tolerance(double stretch) const {
     return legs_.tolerance - n_ / stretch * available_.period() * available_.period() / 8.0;
   }
-  bool holds(double v, double stretch, double coast) const {
-    return corner_distance(n_, v, stretch * v, available_.last(), ramp_, coast) <= tolerance(stretch);
+  /// m, of the distance above the tolerance.
+  double excess(double v, double stretch, double coast) const {
+    return corner_distance(n_, v, stretch * v, available_.last(), ramp_, coast) - tolerance(stretch);
   }
   std::optional<CornerPass> with_coast(double coast) const {
     CornerPass pass{legs_.feed, stretch(legs_.feed), coast};
-    if (holds(pass.speed_max, pass.stretch, coast)) return pass;
-    if (!holds(0.0, pass.stretch, coast)) return std::nullopt;
+    const double above = excess(pass.speed_max, pass.stretch, coast);
+    if (above <= 0.0) return pass;
+    const double below = excess(0.0, pass.stretch, coast);
+    if (below > 0.0) return std::nullopt;
     if (!available_.depends_on_speed() && available_.window() == 0.0) {
       pass.speed_max = std::sqrt(std::max(0.0, 8.0 * tolerance(pass.stretch) / (n_ * pass.stretch)));
       return pass;
     }
-    double low = 0.0, high = legs_.feed;
-    for (int i = 0; i < 20; ++i) {  // to a millionth of the feed
-      const double middle = 0.5 * (low + high);
-      (holds(middle, stretch(middle), coast) ? low : high) = middle;
-    }
-    return CornerPass{low, stretch(low), coast};
+    const bool one = !available_.depends_on_speed();
+    const double v = largest_holding(legs_.feed, below, above,
+                                     [&](double x) { return excess(x, one ? pass.stretch : stretch(x), coast); });
+    return CornerPass{v, stretch(v), coast};
   }
   /// Time that the corner costs compared with passing it at the speed that the legs reach, s.
   double lost(const CornerPass& pass) const {
@@ -73,13 +93,13 @@ class CornerSearch {
     return (feed - v) * (feed - v) / (ramp_ * feed) + (pass.stretch * v + 2.0 * pass.coast) * (1.0 - v / feed);
   }
   /// About the speed that the legs reach.
-  double reached() const { return std::min(legs_.feed, std::sqrt(ramp_ * legs_.room)); }
+  double reached() const { return reached_; }
 
  private:
   const AvailableAcceleration& available_;
   std::size_t dimensions_;
   const ProfileLegs& legs_;
-  double n_, ramp_;
+  double n_, ramp_, reached_;
 };
 
 /// The fastest of several lengths of coasting, from the least that the swing allows.
@@ -91,14 +111,12 @@ std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std
   if (4.0 * least * search.reached() > legs.room) least = 0.0;
   // Longer coasting keeps the ramps out of the last boxcar, so the corner can be faster. At rest it is the delay
   // between both legs.
-  const auto waits = [&](double coast) { return search.holds(0.0, stretch, coast); };
-  if (least < most && !waits(least) && waits(most)) {
-    double low = least;
-    least = most;
-    for (int i = 0; i < 20; ++i) {
-      const double middle = 0.5 * (low + least);
-      (waits(middle) ? least : low) = middle;
-    }
+  const auto at_rest = [&](double coast) { return search.excess(0.0, stretch, coast); };
+  if (const double above = least < most ? at_rest(least) : 0.0; above > 0.0) {
+    // Longer coasting leaves less of the distance.
+    const double below = at_rest(most);
+    if (below <= 0.0)
+      least = most - largest_holding(most - least, below, above, [&](double x) { return at_rest(most - x); });
   }
   constexpr int steps = 4;
   std::optional<CornerPass> best;

@@ -12,6 +12,7 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -34,7 +35,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   const bool emitted_one = options.dwells_before_filter && emitted_filter(path);
   if (task.settings && task.settings->names_family() && !emitted_one) {
     const Deadline until = options.deadline.within(filter_seconds(path, options));
-    return settings_filter(path, task, options.feeds == Feeds::keep, until, tell);
+    return settings_filter(path, task, options.fixed.feeds == Feeds::keep, until, tell);
   }
   if (task.filter) {
     ProgramFilter given;
@@ -50,7 +51,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
     return given;
   }
   const double limit = filter_seconds(path, options);
-  ProgramFilter designed = options.feeds == Feeds::keep
+  ProgramFilter designed = options.fixed.feeds == Feeds::keep
                                ? design_program_filter(path, task, limit, tell, options.deadline)
                                : design_filter_for_feeds(path, task, limit, tell, options.deadline);
   designed.designed = true;
@@ -78,12 +79,12 @@ void offer_kept(const std::string& name, ProgramFile& file, std::optional<Progra
   ProgramFileOptions coarse = options;
   coarse.arc_tolerance = options.arc_tolerance.value_or(longest_chords);
   ProgramFile again = straight ? std::move(*straight) : read_program_file(name, task, coarse, {});
-  coarse.feeds = Feeds::keep;
+  coarse.fixed.feeds = Feeds::keep;
   const ProgramFilter filter = filter_for_program(again.path, task, coarse, {});
   if (!filter.filter) return;
   set_control(again.path, task, filter);
-  ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.filter_bound,
-                                   coarse.feeds, options.deadline);
+  ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.fixed.filter_bound,
+                                   coarse.fixed.feeds, options.deadline);
   const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
   // A result at kept feeds has the times of its own filter.
   const bool best = !result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept;
@@ -112,7 +113,7 @@ std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolp
   const auto offer = [&](const std::optional<Filter>& filter) {
     if (!filter || bounded.deadline.over()) return;
     const ProgramResult plan =
-        run_program(result.program, programmed, *filter, any, false, options.feeds, bounded.deadline);
+        run_program(result.program, programmed, *filter, any, false, options.fixed.feeds, bounded.deadline);
     if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
   };
   offer(designed.filter);
@@ -141,7 +142,7 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
     Toolpath path = programmed;
     path.control = control_of(*task.settings, choice.today->width);
     const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
-                                            task, false, options.feeds, options.deadline);
+                                            task, false, options.fixed.feeds, options.deadline);
     // A plan that was cut short says little of the setting.
     if (options.deadline.over()) return;
     result.has_today = true;
@@ -153,20 +154,21 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
 /// With arcs as they were read: widened where options.compensate_arcs says so.
 ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const ProgramFilter& choice, const Task& task,
                            const ProgramFileOptions& options) {
-  const bool finer = options.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
+  const bool finer = options.fixed.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
-  const bool kept = options.feeds == Feeds::choose && choice.designed && file.path.blocks() <= several_plans_max &&
-                    (!options.compensate_arcs || file.path.arcs.empty());
+  const bool kept = options.fixed.feeds == Feeds::choose && choice.designed &&
+                    file.path.blocks() <= several_plans_max && (!options.compensate_arcs || file.path.arcs.empty());
   const Toolpath programmed = choice.settings && file.path.blocks() <= several_plans_max ? file.path : Toolpath{};
   const auto plan = [&](Toolpath path, Feeds feeds) {
     set_control(path, task, choice);
-    return run_program(name, std::move(path), *choice.filter, task, options.filter_bound, feeds, options.deadline);
+    return run_program(name, std::move(path), *choice.filter, task, options.fixed.filter_bound, feeds,
+                       options.deadline);
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
-  const bool widen = options.feeds == Feeds::choose && options.compensate_arcs && !file.path.arcs.empty();
+  const bool widen = options.fixed.feeds == Feeds::choose && options.compensate_arcs && !file.path.arcs.empty();
   std::optional<ProgramFile> straight;
   if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
-  const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.feeds;
+  const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.fixed.feeds;
   ProgramResult result = plan(std::move(file.path), finer ? Feeds::choose_only : feeds);
   double planning = result.solver.wall_time;
   if (finer && !options.deadline.over()) {
@@ -219,8 +221,8 @@ ProgramResult choose_and_plan(const std::string& name, ProgramFile& file, const 
 
 }  // namespace
 
-ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+ProgramResult run_fixed_plan(const std::string& name, ProgramFile& file, const Task& task,
+                             const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   if (!options.compensate_arcs || file.path.arcs.empty()) return choose_and_plan(name, file, task, options, tell);
   // First without compensation and with all the time there is: a time limit cannot make the answer slower than that.
   ProgramFile plain = file;

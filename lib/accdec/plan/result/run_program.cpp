@@ -125,7 +125,7 @@ class Planning {
     result_.rounds = plan.rounds;
     FilteredCommand command{filter_, std::move(plan.delays)};
     if (!task_.machine.prefilter_taps.empty()) command.own = set_;
-    if (!behind_.ideal()) command.moved = behind_.motion();
+    command.moved.assign(behind_.servo().begin(), behind_.servo().end());
     result_.plan = {std::move(best_.path), std::move(command)};
   }
 
@@ -228,7 +228,7 @@ class Planning {
   bool delays_had_ = true;
 };
 
-/// What every plan's result says of the program and the task.
+/// The part of every plan's result on the program and the task.
 ProgramResult before_planning(const std::string& name, const Toolpath& path, const Task& task) {
   if (task.design.coefficient_bits > 0)
     throw std::invalid_argument("[design] coefficient_bits is for designs of corners; leave it out for a program");
@@ -243,7 +243,10 @@ ProgramResult before_planning(const std::string& name, const Toolpath& path, con
 
 /// @throws std::invalid_argument for what a plan of one filter does not consider behind a servo
 void require_considered(const Task& task, const Machine& machine, bool filter_bound) {
-  require_common_servo(machine, task.sample_period, "a program");
+  for (const Axis& axis : machine.axes) {
+    if (std::ranges::any_of(axis.response_taps, [](double tap) { return tap < 0.0; }))
+      throw std::invalid_argument("a program considers servos without negative taps (response_taps)");
+  }
   if (!has_servo(machine)) return;
   if (task.settings && task.settings->in_position_actual)
     throw std::invalid_argument(
@@ -266,7 +269,6 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
                           bool filter_bound, Feeds feeds, const Deadline& deadline) {
-  require_no_modes_of_axes(task.machine, "program");
   if (task.settings && task.settings->in_position_latency > 0.0)
     throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
   const auto start = std::chrono::steady_clock::now();
@@ -304,6 +306,8 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
   require_no_response(task.machine, "plan profiles");
   require_no_shared_loads(task.machine, "plan profiles");
+  if (path.contour_max < unlimited)
+    throw std::invalid_argument("plan profiles does not consider [program] contour_max_um; --plan fixed does");
   const auto start = std::chrono::steady_clock::now();
   if (task.settings && task.settings->names_family()) {
     throw std::invalid_argument(

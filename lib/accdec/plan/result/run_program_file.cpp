@@ -1,0 +1,43 @@
+#include <optional>
+
+#include <accdec/machine/response.hpp>
+#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/result/free_plan.hpp>
+#include <accdec/program.hpp>
+
+namespace accdec {
+namespace {
+
+/// Plan fixed with the bounds of any motion. Behind a servo there are none: they are of motions, and the time of the
+/// plan is that of the command.
+ProgramResult fixed_with_bounds(const std::string& name, ProgramFile& file, const Task& task,
+                                const ProgramFileOptions& options,
+                                const std::function<void(const std::string&)>& tell) {
+  const double chords = file.reading.read.arc_tolerance;
+  // Before the plan, which may take all the time that is left.
+  const Deadline most = options.deadline.within(0.5 * options.deadline.left());
+  std::optional<CornerBound> bound;
+  if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path))) {
+    if (tell) tell("bounds");
+    bound = corner_bound_of(file.path, task, most);
+  }
+  ProgramResult result = run_fixed_plan(name, file, task, options, tell);
+  if (bound && !result.plan.empty())
+    result.corner_bound = corner_bound_as_read(*bound, chords, name, file, task, options);
+  return result;
+}
+
+}  // namespace
+
+ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
+                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  switch (options.plan) {
+    case PlanKind::profiles: return run_fastest_plan(name, file, task, options, tell);
+    case PlanKind::free: return run_free_plan(name, file, task, options, tell);
+    case PlanKind::fixed: break;
+  }
+  return fixed_with_bounds(name, file, task, options, tell);
+}
+
+}  // namespace accdec

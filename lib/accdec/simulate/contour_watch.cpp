@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <accdec/simulate/contour_watch.hpp>
+#include <accdec/simulate/sample_check.hpp>
+
+namespace accdec {
+namespace {
+
+/// When the command begins and ends every block, in samples.
+struct BlockTimes {
+  double before;  // samples
+  std::size_t first;
+  std::vector<double>&begins, &ends;
+  void command(const AxisRow<0>&, const AxisRow<0>&, std::int64_t, const AxisRow<0>&) const {}
+  void joint(std::size_t b, double time, std::int64_t rest) const {
+    ends[b - first] = before + time;
+    begins[b - first + 1] = before + time + static_cast<double>(rest);
+  }
+};
+
+constexpr int halvings = 40;     // of a step: far below rounding
+constexpr int few_halvings = 4;  // to tell where a step leaves the path, if another leaves it by more
+
+}  // namespace
+
+ContourWatch::ContourWatch(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last)
+    : path_(timing.path()),
+      reach_(reach),
+      n_(path_.dimensions()),
+      first_(first),
+      last_(last),
+      begins_(last - first + 1, 0.0),
+      ends_(last - first + 1, unlimited),
+      low_(first),
+      high_(first),
+      before_(path_.point(first), path_.point(first) + n_),
+      block_before_(first) {
+  const double dwell = first == 0 ? static_cast<double>(timing.dwell_samples(path_.dwell_first)) : 0.0;
+  BlockTimes times{dwell, first, begins_, ends_};
+  emit_commands<0>(timing, first, last, times);
+}
+
+ContourWatch::Nearest ContourWatch::nearest(const double* point) const {
+  Nearest found{low_, unlimited};
+  for (std::size_t b = low_; b <= high_; ++b) {
+    const double square = segment_distance2(path_.asked(b), path_.asked(b + 1), point, n_);
+    if (square < found.distance) found = {b, square};
+  }
+  found.distance = std::sqrt(found.distance);
+  return found;
+}
+
+void ContourWatch::note(const Nearest& found, const double* point) {
+  if (found.distance > worst_) worst_ = found.distance, worst_block_ = found.block, worst_sample_ = number_;
+  if (holds(found.distance, path_.contour_max)) return;
+  const auto square = [&](std::size_t p) {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < n_; ++a) sum += (path_.asked(p)[a] - point[a]) * (path_.asked(p)[a] - point[a]);
+    return sum;
+  };
+  std::size_t at = low_;
+  for (std::size_t p = low_ + 1; p <= high_ + 1; ++p) {
+    if (square(p) < square(at)) at = p;
+  }
+  const double use = utilisation_of(LimitKind::contour, found.distance, path_.contour_max);
+  if (off_.empty() || off_.back().point != at) off_.push_back({static_cast<std::uint32_t>(at), use});
+  off_.back().use = std::max(off_.back().use, use);
+}
+
+/// The distance from one block is convex along a step. So no point of it is farther away than the farther end.
+void ContourWatch::between(const double* from, const double* to, int depth) {
+  double most = unlimited;
+  for (std::size_t b = low_; b <= high_; ++b) {
+    most = std::min(most, std::max(segment_distance2(path_.asked(b), path_.asked(b + 1), from, n_),
+                                   segment_distance2(path_.asked(b), path_.asked(b + 1), to, n_)));
+  }
+  const double farthest = std::sqrt(most);
+  const bool told = holds(farthest, path_.contour_max) || depth >= few_halvings;
+  if (depth == halvings || (told && farthest <= worst_ * (1.0 + 1e-9) + position_floor)) return;
+  std::array<double, program_axis_count> middle{};
+  for (std::size_t a = 0; a < n_; ++a) middle[a] = 0.5 * (from[a] + to[a]);
+  note(nearest(middle.data()), middle.data());
+  between(from, middle.data(), depth + 1);
+  between(middle.data(), to, depth + 1);
+}
+
+void ContourWatch::look(std::int64_t number, std::int64_t count, const double* const* position) {
+  std::array<double, program_axis_count> now{};
+  for (std::int64_t i = 0; i < count; ++i) {
+    number_ = number + i;
+    for (std::size_t a = 0; a < n_; ++a) now[a] = position[a][i];
+    const auto k = static_cast<double>(number_);
+    // The step to this sample begins at the one before.
+    while (low_ < last_ && ends_[low_ - first_] + static_cast<double>(reach_) + 1.0 < k) ++low_;
+    while (high_ < last_ && begins_[high_ - first_ + 1] <= k) ++high_;
+    const Nearest found = nearest(now.data());
+    note(found, now.data());
+    if (found.block != block_before_) between(before_.data(), now.data(), 0);
+    std::copy_n(now.begin(), n_, before_.begin());
+    block_before_ = found.block;
+  }
+}
+
+void ContourWatch::finish(Simulation& result) const {
+  LimitUse use;
+  use.kind = LimitKind::contour;
+  use.value = worst_;
+  use.bound = path_.contour_max;
+  use.utilisation = worst_ <= position_floor ? 0.0 : utilisation_of(use.kind, worst_, use.bound);
+  use.sample = worst_sample_;
+  use.line = path_.line[worst_block_];
+  result.limits.push_back(use);
+  result.off = off_;
+  const auto same = [](const Simulation::OffPath& a, const Simulation::OffPath& b) { return a.point == b.point; };
+  std::ranges::sort(
+      result.off, [](const auto& a, const auto& b) { return a.point != b.point ? a.point < b.point : a.use > b.use; });
+  result.off.erase(std::unique(result.off.begin(), result.off.end(), same), result.off.end());
+}
+
+}  // namespace accdec
