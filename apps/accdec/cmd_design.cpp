@@ -109,6 +109,10 @@ bool no_setting_holds(const DesignResult& result) {
   return result.solver.name == "families" && !result.has_design() && result.stop == StopReason::finished;
 }
 
+std::string explain_hint(const std::string& task) {
+  return fmt::format("`accdec explain {}` says which change of a limit makes a design possible.\n", shell_quoted(task));
+}
+
 void run(const DesignArguments& arguments, Context& context) {
   const auto began = std::chrono::steady_clock::now();
   const Task task = read_task(arguments.task, {.response = Considered::any});
@@ -127,14 +131,15 @@ void run(const DesignArguments& arguments, Context& context) {
     return design_task(task, told);
   }();
 
+  const bool shown = !context.quiet && arguments.json != "-";
   if (no_setting_holds(result)) {
     // As for bad input, nothing is written.
     std::fprintf(stderr, "%s\n", error_at_family(arguments.task, result.message).what());
+    if (shown) fmt::print(stderr, "{}", explain_hint(arguments.task));
     context.exit_code = exit_no_answer;
     return;
   }
   const auto left = [&] { return arguments.time_limit - seconds_since(began); };
-  const bool shown = !context.quiet && arguments.json != "-";
   std::optional<study::BaselineTable> table;
   const bool compared = Response(task.machine, task.sample_period).common();
   if (arguments.baselines && !compared)
@@ -154,10 +159,7 @@ void run(const DesignArguments& arguments, Context& context) {
                  study::baseline_text(*table));
     }
     if (table && task.baseline && result.filter) fmt::print("{}", study::savings_text(*table));
-    if (result.status == Status::infeasible) {
-      fmt::print("`accdec explain {}` says which change of a limit makes a design possible.\n",
-                 shell_quoted(arguments.task));
-    }
+    if (result.status == Status::infeasible) fmt::print("{}", explain_hint(arguments.task));
   }
   if (arguments.baselines) print_full_tables(*table, task, options, left());
 }

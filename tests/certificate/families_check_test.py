@@ -86,8 +86,8 @@ AVERAGES = 'family = "averages"\nstages = 2'
 MODE = "[[mode]]\nfrequency_Hz = [38, 42]\nresidual_max = 0.1"
 GIVEN = '[filter]\nkind = "averages"\nlengths = [22, 15]\n'
 EVERY_KIND = {
-    "poles": {"family": 'family = "one-pole"'},
-    "exponentials": {"family": 'family = "exponential"\ntime_constant_step_ms = 3\norder_max = 60'},
+    "poles": {"family": 'family = "one-pole"\norder_max = 500'},
+    "exponentials": {"family": 'family = "exponential"\ntime_constant_step_ms = 3\norder_max = 100'},
     "mzv": {"family": 'family = "shaper"\nshaper = "mzv"\nstages = 1', "corner": MODE},
     "ei": {"family": 'family = "shaper"\nshaper = "ei"\nstages = 1', "corner": MODE},
     "sets": {"family": 'family = "averages"\nstages = 3\nlength_set_ms = [4, 8, 16, 32]\nlength_set_2_ms = [6, 12]'},
@@ -117,7 +117,7 @@ class EveryKind(unittest.TestCase):
                 result = json.loads(design(path))
                 accepted, words = verdict(result)
                 self.assertIs(accepted, True, words)
-                self.assertIn(result["status"], ("optimal", "infeasible"))
+                self.assertEqual(result["status"], "optimal")
                 result["task"]["corner"][0]["error_max_um"] = 150
                 for axis in result["task"]["axis"]:
                     axis["jerk_max_mm_s3"] *= 100
