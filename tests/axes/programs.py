@@ -26,7 +26,9 @@ def task_of(rng):
     period, at, heading = task["sample_period_ms"], np.zeros(2), rng.uniform(0.0, 2.0 * math.pi)
     filter_way = corner["feed_in_mm_min"] / 6e4 * period * 20.0  # mm
     lines = ["G90 G61.1" if rng.random() < 0.1 else "G90 G64"]
-    for _ in range(rng.randrange(2, 6)):
+    for move in range(rng.randrange(2, 6)):
+        if move > 0 and rng.random() < 0.15:
+            lines.append(f"G4 P{period / 1e3 * rng.choice([10.0, 200.0]):.6f}")
         at = at + filter_way * rng.uniform(0.3, 4.0) * np.array([math.cos(heading), math.sin(heading)])
         lines.append(f"G1 X{at[0]:.6f} Y{at[1]:.6f} F{corner['feed_in_mm_min'] * rng.choice([1.0, 0.7]):.4f}")
         heading += rng.choice([-1.0, 1.0]) * rng.uniform(0.1, 2.8)
@@ -53,6 +55,8 @@ class Command:
             rows.append(np.column_stack([np.interp(np.arange(1, samples + 1), times, self.points[first:b + 2, a])
                                          for a in range(self.points.shape[1])]))
             waits = 0 if last else said["delay_samples"][b]
+            for block, seconds in said["dwell"]:
+                waits += math.ceil(seconds / self.period - 1e-9) if block == b and not last else 0
             self.joints += [(i, now + times[i - first + 1], 0) for i in range(first, b)]
             self.joints += [] if last else [(b, now + samples, waits)]
             rows.append(np.repeat(self.points[b + 1:b + 2], waits, axis=0))

@@ -155,7 +155,7 @@ TEST(ProgramPath, ModesOfAxesLowerFeeds) {
 
 /// The largest distance from the path is that of dense points, and bounds hold at corners and on arcs.
 TEST(ProgramPath, ContourIsHeldByEveryPlan) {
-  constexpr const char* part = "G64 P0.1 F9000\nG1 X30\nG1 Y25\nG3 X20 Y35 I-10\nG1 X0 Y20\nG1 X-8 Y28\nM2\n";
+  constexpr const char* part = "G64 P0.1 F9000\nG1 X30\nG4 P0.3\nG1 Y25\nG3 X20 Y35 I-10\nG1 X0 Y20\nG1 X-8 Y28\nM2\n";
   const Filter filter = trapezoid(60, 20);
   for (const double gain : {unlimited, 250.0}) {
     for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
@@ -235,7 +235,7 @@ class PathCommand : public ProgramCommand {
   void task(const std::string& axes, const std::string& end) {
     write("path.toml", "sample_period_ms = 1\n[filter]\nkind = \"trapezoid\"\norder = 54\nramp = 18\n" + axes +
                            "[program]\nerror_max_um = 50\n" + end);
-    write("part.ngc", "G64 F6000\nG1 X30\nG1 Y25\nG3 X20 Y35 I-10\nG1 X0 Y20\nG61.1\nG1 X8 Y28\nM2\n");
+    write("part.ngc", "G64 F6000\nG1 X30\nG1 Y25\nG3 X20 Y35 I-10\nG1 X0 Y20\nG4 P0.4\nG61.1\nG1 X8 Y28\nM2\n");
   }
   static std::string axis(const std::string& name, const std::string& more) {
     return "[[axis]]\nname = \"" + name +

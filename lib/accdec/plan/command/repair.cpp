@@ -11,6 +11,7 @@ namespace {
 
 constexpr double slower = 1.15;        // factor on the duration of a block that breaks a limit by itself
 constexpr double slower_curve = 1.02;  // for blocks on a curve where a limit is broken
+constexpr double slowest = 1000.0;     // times as long as at first; a bound that is still broken cannot be met
 constexpr int slow_rounds = 20;        // number of rounds that repair smooth joints by their feeds
 
 void unique_ascending(std::vector<std::size_t>& numbers) {
@@ -32,6 +33,7 @@ void unique_ascending(RepairWork& work) {
 Repair::Repair(Toolpath& path, const Filter& filter, double sample_period, const Machine* machine,
                std::vector<int>& delays, std::vector<double>& errors)
     : path_(path),
+      first_duration_(path.duration),
       filter_(filter),
       behind_(filter, machine != nullptr ? *machine : Machine{}, sample_period),
       machine_(machine),
@@ -90,7 +92,9 @@ void Repair::mend(const Simulation::OffPath& off, RepairWork& work) const {
   if (off.point > 0 && off.point < path_.blocks() && delays_[off.point - 1] < settled_)
     return mend(off.point - 1, off.use, work);
   const double factor = std::clamp(std::sqrt(off.use), 1.002, 1.5);
-  for (std::size_t b = off.point > 0 ? off.point - 1 : 0; b <= after; ++b) work.slow.push_back({b, factor});
+  for (std::size_t b = off.point > 0 ? off.point - 1 : 0; b <= after; ++b) {
+    if (path_.duration[b] < slowest * first_duration_[b]) work.slow.push_back({b, factor});
+  }
 }
 
 void Repair::blame(std::uint32_t block, RepairWork& work) const {

@@ -69,7 +69,8 @@ class Repair {
   int raised(std::size_t joint, int step) const;
 
   Toolpath& path_;
-  const Filter& filter_;  // of the command
+  std::vector<double> first_duration_;  // s, of every block
+  const Filter& filter_;                // of the command
   const FilterBehind behind_;
   const Machine* machine_;
   std::optional<BlendLimits> limits_;  // of that machine

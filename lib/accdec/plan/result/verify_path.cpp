@@ -36,6 +36,7 @@ class OffBlocks {
     const auto first = std::ranges::partition_point(acts_, [&](const auto& act) { return act.second < at; });
     for (auto act = first; act != acts_.end() && act->first <= at; ++act)
       near_.push_back(static_cast<std::size_t>(act - acts_.begin()));
+    if (near_.empty()) near_.push_back(static_cast<std::size_t>(first - acts_.begin()) - 1);  // in a long rest
     const Place to = place(k), from = place(k > 0 ? k - 1 : 0);
     auto [worst, block] = off(to);
     auto [before, block_before] = off(from);
