@@ -50,6 +50,17 @@ def arcs(page):
         page.same(f"{name}, fixed", row["fixed"], f"{plan['cycle_time_s']:.3f}")
 
 
+def free(page):
+    """Plan `free` and its bound again, for two corners."""
+    sys.path.insert(0, str(page.source / "tests/bench"))
+    import free_bounds as script
+
+    for name, jerk in (("linuxcnc/corner-p0.05", 0), ("linuxcnc/corner-p0.5", script.JERK)):
+        program = page.source / f"problems/program/{name}.ngc"
+        found = script.row(name, jerk, *script.planned(page.program, page.folder, program, jerk, 60))
+        page.find(re.escape(found))
+
+
 def estimates(page):
     """Estimates again; the times of the controls' own planners are in the table that estimates.py wrote."""
     sys.path.insert(0, str(page.source / "tests/peers"))
@@ -156,6 +167,7 @@ def programs(page):
 CHECKS = {
     "program/league.md": league,
     "program/arcs.md": arcs,
+    "program/free.md": free,
     "program/estimates.md": estimates,
     "program/linuxcnc-loop.md": linuxcnc_loop,
     "program/controllers.md": controllers,

@@ -10,6 +10,7 @@
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/bounds/plane_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
+#include <accdec/bounds/window_bound.hpp>
 #include <accdec/files.hpp>
 #include <accdec/simulate/tube_check.hpp>
 
@@ -159,6 +160,7 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
+    best = std::max(best, window_bound(path_, machine_, wider_, first, last, true));
     if (plane_programs_left_ == 0) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});

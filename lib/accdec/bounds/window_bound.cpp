@@ -3,10 +3,13 @@
 #include <cmath>
 #include <vector>
 
+#include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/window_bound.hpp>
 
 namespace accdec {
 namespace {
+
+constexpr std::size_t chain_blocks_max = 64;  // of one way of a chain
 
 /// Window sizes in blocks, ascending. Long programs have fewer sizes, so that the bound takes only a small part of
 /// their time.
@@ -23,8 +26,9 @@ std::vector<std::size_t> window_sizes(std::size_t blocks) {
 
 class Windows {
  public:
-  Windows(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last)
+  Windows(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last, bool chains)
       : path_(path), machine_(machine), n_(path.dimensions()), wider_(wider), first_(first), last_(last) {
+    if (chains) open_.assign((last - first + 2) * n_, {-unlimited, -unlimited});
     const std::size_t blocks = last - first + 1;
     sizes_ = window_sizes(blocks);
     for (const Axis& axis : machine.axes) slowest_ = std::min(slowest_, axis.acceleration_max);
@@ -47,11 +51,31 @@ class Windows {
         const double known = std::max(0.0, best[k] - best[i]);
         best[k] = std::max(best[k], best[i] + time(i, k, fastest_[s][i], known));
       }
+      for (std::size_t i = k - 1; !open_.empty() && k - i <= chain_blocks_max; --i) {
+        link(i, k, best);
+        if (i == 0) break;
+      }
     }
     return best.back();
   }
 
  private:
+  /// Begins chains at point i with a way to k, goes on with those that end in i, and ends them in k.
+  void link(std::size_t i, std::size_t k, std::vector<double>& best) {
+    const double ends = tolerance(i) + tolerance(k);
+    for (std::size_t a = 0; a < n_; ++a) {
+      const double way = point(k)[a] - point(i)[a], left = std::abs(way) - ends;
+      if (!(left > 0.0)) continue;
+      const double inside = 2.0 * std::sqrt(left / acceleration_most(machine_.axes[a]));
+      const auto at_end = [&](std::size_t j) { return rests(j) ? inside : std::sqrt(0.5) * inside; };
+      const std::size_t up = way > 0.0 ? 1 : 0;
+      const double before = open_[i * n_ + a][1 - up];  // the time of a chain whose last way was the other one
+      double& after = open_[k * n_ + a][up];
+      after = std::max({after, best[i] + at_end(i), before + inside});
+      best[k] = std::max(best[k], before + at_end(k));
+    }
+  }
+
   /// The highest feed of `size` blocks from each on: that of shorter windows that cover it, whose feeds are known.
   std::vector<double> of_windows(std::size_t size) const {
     if (size == 1) return speed_;
@@ -124,6 +148,7 @@ class Windows {
   std::vector<std::size_t> sizes_;
   std::vector<double> speed_;                 // of every block
   std::vector<std::vector<double>> fastest_;  // of every size, by the window's first block
+  std::vector<std::array<double, 2>> open_;   // s, of every point and axis: chains that end there, down and up
 };
 
 }  // namespace
@@ -136,8 +161,9 @@ double time_from_rest(double distance, double speed, double acceleration, int re
                            : std::sqrt(2.0 * rests * distance / acceleration);
 }
 
-double window_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last) {
-  return Windows(path, machine, wider, first, last).largest();
+double window_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last,
+                    bool chains) {
+  return Windows(path, machine, wider, first, last, chains && !machine.axes.empty()).largest();
 }
 
 }  // namespace accdec
