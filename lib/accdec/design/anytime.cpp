@@ -111,6 +111,7 @@ class Anytime {
     families();
     local("nlopt-slsqp", 0.3);
     local(options_.nlp.solver, 1.0);
+    if (over()) exact_->stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
     return finish();
   }
 

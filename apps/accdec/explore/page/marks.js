@@ -1,6 +1,6 @@
 // Marks over the curves of a chart: limits, red bars where they bind, the axes' names.
 
-const binding = 0.999; // share of a limit from which it binds
+export const binding = 0.999; // share of a limit from which it binds
 
 const known = new Map();
 /** A colour of the palette, read once: between two changes of the page, reading makes the browser work on both. */

@@ -1,5 +1,6 @@
 // The path at the corner: design over before, the tolerance as a disc, the largest error as a line with its value.
 import { four, make } from "./format.js";
+import { binding } from "./marks.js";
 
 const size = { width: 560, height: 380, left: 46, right: 12, top: 12, bottom: 34 };
 
@@ -141,7 +142,8 @@ export function drawPath(place, now, before) {
   const [cx, cy] = at(0, 0);
   const parts = [make("title", {}, `path at corner ${view.name}`)];
   const clip = [];
-  if (tolerance) clip.push(make("circle", { class: "tolerance", cx, cy, r: tolerance * scale }));
+  const binds = 1e6 * corner.corner_error_m >= binding * tolerance;
+  if (tolerance) clip.push(make("circle", { class: binds ? "tolerance binds" : "tolerance", cx, cy, r: tolerance * scale }));
   const far = 3 * Math.hypot(box[1] - box[0], box[3] - box[2]);
   const legs = [
     at(-view.path.in[0] * far, -view.path.in[1] * far),
