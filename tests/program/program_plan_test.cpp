@@ -301,7 +301,7 @@ TEST(Plan, AnArcTooFastForItsToleranceIsPassedAtTheFeedThatNeedsNoStopsWhereThat
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b)
     EXPECT_LE(reference.error(path, filter.order(), b), tolerance * (1.0 + 1e-9)) << b;
   // Chords lie inside the arc by up to an eighth of the tolerance, and the motion is judged at their ends with an
-  // eighth less: three quarters of the tolerance are left to the formula.
+  // eighth less. Three quarters of the tolerance are left to the formula.
   const double around = 2.0 * std::numbers::pi * radius;
   EXPECT_LT(static_cast<double>(plan.simulation.samples) * period, around / (std::sqrt(0.75) * steady) + 41.0 * period);
   // A programmer's guess at a good feed is not faster.

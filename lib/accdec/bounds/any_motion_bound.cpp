@@ -160,7 +160,7 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    best = std::max(best, window_bound(path_, machine_, wider_, first, last, true));
+    best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, true));
     if (plane_programs_left_ == 0) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});

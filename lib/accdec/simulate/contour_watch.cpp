@@ -93,7 +93,7 @@ void ContourWatch::look(std::int64_t number, std::int64_t count, const double* c
     for (std::size_t a = 0; a < n_; ++a) now[a] = position[a][i];
     const auto k = static_cast<double>(number_);
     while (high_ < last_ && begins_[high_ - first_ + 1] <= k) ++high_;
-    // The step to this sample begins at the one before. Where the command rests, the block before it stays.
+    // The step to this sample begins at the one before. If the command rests, the block before it stays.
     while (low_ < high_ && ends_[low_ - first_] + static_cast<double>(reach_) + 1.0 < k) ++low_;
     const Nearest found = nearest(now.data());
     note(found, now.data());

@@ -9,10 +9,10 @@
 namespace accdec {
 namespace {
 
-constexpr double slower = 1.15;        // factor on the duration of a block that breaks a limit by itself
-constexpr double slower_curve = 1.02;  // for blocks on a curve where a limit is broken
-constexpr double slowest = 1000.0;     // times as long as at first; a bound that is still broken cannot be met
-constexpr int slow_rounds = 20;        // number of rounds that repair smooth joints by their feeds
+constexpr double slower = 1.15;         // factor on the duration of a block that breaks a limit by itself
+constexpr double slower_curve = 1.02;   // for blocks on a curve where a limit is broken
+constexpr double slowed_most = 1000.0;  // times as long as at first; a bound that is still broken cannot be met
+constexpr int slow_rounds = 20;         // number of rounds that repair smooth joints by their feeds
 
 void unique_ascending(std::vector<std::size_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
@@ -93,7 +93,7 @@ void Repair::mend(const Simulation::OffPath& off, RepairWork& work) const {
     return mend(off.point - 1, off.use, work);
   const double factor = std::clamp(std::sqrt(off.use), 1.002, 1.5);
   for (std::size_t b = off.point > 0 ? off.point - 1 : 0; b <= after; ++b) {
-    if (path_.duration[b] < slowest * first_duration_[b]) work.slow.push_back({b, factor});
+    if (path_.duration[b] < slowed_most * first_duration_[b]) work.slow.push_back({b, factor});
   }
 }
 
