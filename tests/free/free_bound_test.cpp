@@ -200,9 +200,9 @@ TEST(FreeBound, IsNotAbovePlansThatAreFree) {
     ProgramFile file;
     file.path = test::path_of(legs.program(), task.machine);
     const double bound = any_motion_bound(file.path, task.machine, task.sample_period, 60.0, false);
-    FreeOptions quick;
-    quick.sweeps = 2;
-    const ProgramResult free = run_free_plan("test", file, task, {}, quick, {});
+    ProgramFileOptions quick;
+    quick.free.sweeps = 2;
+    const ProgramResult free = run_free_plan("test", file, task, quick, {});
     ASSERT_TRUE(free.verification.feasible) << free.message;
     EXPECT_LE(bound, free.cycle_time) << legs.program();
     EXPECT_GE(bound, 0.7 * free.cycle_time) << legs.program();
