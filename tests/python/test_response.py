@@ -106,7 +106,7 @@ def test_axes_that_differ_are_judged():
     # A straight leg is no longer straight.
     assert found["contour_deviation"] > 0
     designed = accdec.design(everyday(200.0, axes=axes))
-    assert designed.status == "feasible" and "not proved" in designed.message
+    assert designed.outcome == "feasible" and "not proved" in designed.message
 
 
 def test_nonlinear_problems_do_not_consider_it():

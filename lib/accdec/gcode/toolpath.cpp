@@ -204,9 +204,10 @@ void Builder::give_delay(std::size_t b) {
 /// The tolerance of a joint so that a motion is within the program's of arcs and splines if it is within this of their
 /// chords. If a curve begins or ends without a corner, its own tolerance holds from there on.
 double Builder::beside_curves(double tolerance, Joint joint, const Move& next, double off) {
+  if (!options_.room_for_chords) return tolerance;
   if (joint != Joint::corner && off > 0.0 && next.tolerance >= 0.0) tolerance = std::min(tolerance, next.tolerance);
   const double room = std::min(std::max(off, before_.off), 0.5 * tolerance);
-  if (!(room > 0.0 && tolerance < unlimited && options_.room_for_chords)) return tolerance;
+  if (!(room > 0.0 && tolerance < unlimited)) return tolerance;
   path_.narrowed = std::max(path_.narrowed, room);
   return tolerance - room;
 }
