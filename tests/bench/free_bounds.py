@@ -53,9 +53,9 @@ def row(name, jerk, others, free, bound):
 HEAD = f"""# Free motion and its bound
 
 Written by `tests/bench/free_bounds.py`: {VELOCITY} mm/s and {ACCELERATION} mm/s^2 per axis, F6000, T = 1 ms. `free` is
-`--plan free --time-limit %g` (half as long again for the zig-zags of `linuxcnc/`). *Bound* holds for any motion within
-the tolerance of the path, whoever plans it. *Above* is how much longer `free` takes than its bound. A better plan
-or a better bound may still show a part of that. Times in s.
+`--plan free --time-limit %g` (half as long again for the zig-zags of `linuxcnc/`). *bound* holds for any motion within
+the tolerance of the path, whoever plans it. The column *above* is how much longer `free` takes than
+its bound. A better plan or a better bound may show that much. Times in s.
 
 The last three programs are made by `accdec generate` at F6000 and P0.05. The computer had other work. So programs of
 many blocks may end above what `free` finds in that time on idle cores.
