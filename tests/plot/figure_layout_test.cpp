@@ -119,6 +119,8 @@ TEST(Figure, ALabelAloneIsATitleUnlessItIsThereAlready) {
   figure.panels[0].series[0].label = "one pole";
   figure.panels[0].title = "time";
   EXPECT_EQ(panel_title(figure, figure.panels[0]), "time: one pole");
+  figure.panels[0].series[0].label = "x";
+  EXPECT_EQ(panel_title(figure, figure.panels[0]), "time: x") << "a letter of another word is not there";
   figure.panels[0].limits.push_back({0.5, ""});
   EXPECT_EQ(legend_kind(figure, figure.panels[0]), LegendKind::column) << "which line has the label?";
 }

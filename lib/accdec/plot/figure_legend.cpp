@@ -12,12 +12,19 @@ namespace {
 
 constexpr std::size_t most_end_labels = 8;
 
-bool in_words(std::string text, std::string words) {
+/// Whether a title has the label as words of its own, whatever their case.
+bool in_words(std::string title, std::string label) {
   const auto lower = [](std::string& of) {
     for (char& c : of) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   };
-  lower(text), lower(words);
-  return text.find(words) != text.npos;
+  lower(title), lower(label);
+  const auto inside = [&](std::size_t i) {
+    return i < title.size() && std::isalnum(static_cast<unsigned char>(title[i]));
+  };
+  for (std::size_t at = title.find(label); at != title.npos; at = title.find(label, at + 1)) {
+    if ((at == 0 || !inside(at - 1)) && !inside(at + label.size())) return true;
+  }
+  return false;
 }
 
 /// How far along an axis a value is, 0 at its low end and 1 at its high one.
