@@ -32,12 +32,7 @@ class BlendCheck {
  public:
   /// @param filter  of the motion: behind the machine's response  @param limits  of the designed filter
   BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
-      : filter_(filter),
-        corner_(corner),
-        task_(task),
-        period_(task.sample_period),
-        limits_(limits),
-        legs_(corner.geometry()) {}
+      : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
   bool holds(int delay) {
     // The error first: it takes a few samples, the limits all of them.
@@ -75,7 +70,6 @@ class BlendCheck {
 
   const Filter& filter_;
   const TaskCorner& corner_;
-  const Task& task_;
   double period_;
   const BlendLimits& limits_;
   LegVelocities legs_;
