@@ -58,7 +58,9 @@ def free(page):
     for name, jerk in (("linuxcnc/corner-p0.05", 0), ("linuxcnc/corner-p0.5", script.JERK)):
         program = page.source / f"problems/program/{name}.ngc"
         found = script.row(name, jerk, *script.planned(page.program, page.folder, program, jerk, 60))
-        page.find(re.escape(found))
+        head = found[:found.index("|", found.index("|", 1) + 1) + 1]
+        (printed,) = page.find(re.escape(head) + r"([^|]*\|[^|]*\|[^|]*\|[^|]*\|)")
+        page.same(f"the row {head}", head + printed, found)
 
 
 def estimates(page):
