@@ -75,6 +75,7 @@ TEST(TaskJson, RotaryAxesHaveKeysOfTheirOwn) {
 TEST(TaskJson, SaysWhatIsWrong) {
   const std::string corner = R"("corner": [{"angle_deg": 80, "feed_in": 0.1}])";
   EXPECT_EQ(complaint("{\"sample_period\": 0.001, " + corner + "}"), "");
+  EXPECT_EQ(complaint("{\"sample_period\": 0.001, \"axis\": [], " + corner + "}"), "");
   EXPECT_THAT(complaint("[]"), HasSubstr("object"));
   EXPECT_THAT(complaint("{"), HasSubstr("not valid JSON"));
   EXPECT_THAT(complaint("{\"sample_period\": 0.001, \"sample_period_ms\": 1, " + corner + "}"),

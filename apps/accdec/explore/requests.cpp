@@ -15,6 +15,7 @@
 #include <accdec/design.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
+#include <accdec/files/json_position.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
 #include <accdec/formats/task_json.hpp>
@@ -148,6 +149,7 @@ Answer export_file(const Question& question) {
 
 /// Why the tasks of a list cannot be designed; null for those that can.
 Answer check(const Question& question) {
+  if (json_too_deep(question.body)) return problem(400, "brackets nest more than 64 deep; no list of tasks does");
   const Json tasks = Json::parse(question.body, nullptr, false);
   if (!tasks.is_array()) return problem(400, "not a list of tasks");
   // Cancelled before it begins: what a design refuses is refused, nothing is searched.

@@ -47,19 +47,19 @@ class OrphanCare {
   OrphanCare(const OrphanCare&) = delete;
   OrphanCare& operator=(const OrphanCare&) = delete;
   /// Kills the group and every orphan that has come. Killing one may orphan others, so it is done until none is left.
+  /// All are killed before any is waited for: hundreds may each take a while to end.
   ~OrphanCare() {
     if (group_ > 0) ::kill(-group_, SIGKILL);
     for (int round = 0; round < 1000; ++round) {
-      bool any = false;
-      for (const pid_t child : children()) {
-        if (before_.count(child) > 0) continue;
-        any = true;
-        ::kill(child, SIGKILL);
+      std::set<pid_t> orphans = children();
+      for (const pid_t child : before_) orphans.erase(child);
+      for (const pid_t orphan : orphans) ::kill(orphan, SIGKILL);
+      for (const pid_t orphan : orphans) {
         int status = 0;
-        while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+        while (::waitpid(orphan, &status, 0) < 0 && errno == EINTR) {
         }
       }
-      if (!any) break;
+      if (orphans.empty()) break;
     }
     ::prctl(PR_SET_CHILD_SUBREAPER, was_);
   }

@@ -346,7 +346,7 @@ class TaskReader {
     std::vector<Axis>& axes = task_.machine.axes;
     if (axes.size() < 2) {
       axes = name_axes(axes, count_axes(legs_, corners_, options_), corners_.empty() && options_.axes > 1);
-      if (axes.size() > 1 && top_.has("axis")) refuse_rotary(top_.tables("axis").front());
+      if (const auto tables = top_.tables("axis"); axes.size() > 1 && !tables.empty()) refuse_rotary(tables.front());
     } else {
       axes = name_axes(axes, axes.size(), false);
       for (std::size_t j = 0; j < legs_.size(); ++j) faults_.attempt(corners_[j].pointer(), [&] { check_size(j); });

@@ -5,7 +5,7 @@
 
 namespace accdec {
 
-void Range::add(double x) {
+void AxisRange::add(double x) {
   if (!std::isfinite(x)) return;
   low = std::min(low, x);
   high = std::max(high, x);
@@ -14,8 +14,8 @@ void Range::add(double x) {
 namespace {
 
 /// Ranges of the data with a small margin, or as given.
-std::pair<Range, Range> ranges(const Panel& panel) {
-  Range x, y;
+std::pair<AxisRange, AxisRange> ranges(const Panel& panel) {
+  AxisRange x, y;
   for (const Series& s : panel.series) {
     for (const double v : s.x) x.add(v);
     for (const double v : s.y) y.add(v);
@@ -35,7 +35,7 @@ std::pair<Range, Range> ranges(const Panel& panel) {
     for (const double edge : cell_edges(panel.heat_map->x, panel.x.log)) x.add(edge);
     for (const double edge : cell_edges(panel.heat_map->y, panel.y.log)) y.add(edge);
   }
-  const auto finish = [&](Range& range, const Scale& scale, double air) {
+  const auto finish = [&](AxisRange& range, const Scale& scale, double air) {
     if (scale.log) {  // decades: positive data only
       if (!(range.low > 0.0)) range.low = range.high > 0.0 ? range.high * 1e-6 : 1.0;
       if (!(range.high > range.low)) range.high = range.low * 10.0;
@@ -58,9 +58,9 @@ std::pair<Range, Range> ranges(const Panel& panel) {
 }
 
 /// Widens one range so that a unit is equally long on both.
-void equalise(Range& x, Range& y, double width, double height) {
+void equalise(AxisRange& x, AxisRange& y, double width, double height) {
   const double unit = std::max((x.high - x.low) / width, (y.high - y.low) / height);
-  const auto widen = [unit](Range& range, double pixels) {
+  const auto widen = [unit](AxisRange& range, double pixels) {
     const double centre = 0.5 * (range.low + range.high);
     range = {centre - 0.5 * unit * pixels, centre + 0.5 * unit * pixels};
   };
@@ -70,7 +70,7 @@ void equalise(Range& x, Range& y, double width, double height) {
 
 }  // namespace
 
-std::pair<Range, Range> panel_frame(const Panel& panel, double width, double height) {
+std::pair<AxisRange, AxisRange> panel_frame(const Panel& panel, double width, double height) {
   auto [x, y] = ranges(panel);
   if (panel.equal_aspect) equalise(x, y, width, height);
   return {x, y};

@@ -28,7 +28,7 @@ bool in_words(std::string title, std::string label) {
 }
 
 /// How far along an axis a value is, 0 at its low end and 1 at its high one.
-double along(const Scale& scale, const Range& range, double value) {
+double along(const Scale& scale, const AxisRange& range, double value) {
   const auto at = [&](double v) { return scale.log ? std::log(v) : v; };
   return (at(value) - at(range.low)) / (at(range.high) - at(range.low));
 }
@@ -46,7 +46,7 @@ bool is_labelled(const Series& series) {
   return !series.label.empty() && !series.x.empty();
 }
 
-bool ends_at_the_right(const Panel& panel, const Series& series, const Range& x, const Range& y) {
+bool ends_at_the_right(const Panel& panel, const Series& series, const AxisRange& x, const AxisRange& y) {
   constexpr double near = 0.02;
   if (series.mark == Mark::points || series.mark == Mark::impulses || series.mark == Mark::bars) return false;
   const std::size_t last = last_drawn(panel, series);

@@ -95,7 +95,7 @@ std::string sample_with(const Series& s) {
 
 /// Places of the symbols of a marked line: equally far apart for every style but shifted, so that coinciding lines show
 /// their own symbols.
-std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const Scale& x_scale, const Range& x,
+std::pair<std::vector<double>, std::vector<double>> marks(const Series& s, const Scale& x_scale, const AxisRange& x,
                                                           const Scale& y_scale) {
   constexpr int count = 6;
   constexpr double golden = 0.6180339887498949;
@@ -189,7 +189,7 @@ class Writer {
   }
 
   /// @param room  px a tick label needs along the axis, 0: its width
-  void scale(char axis, const Scale& scale, const Range& range, double pixels, double room) {
+  void scale(char axis, const Scale& scale, const AxisRange& range, double pixels, double room) {
     line("{} logscale {}", scale.log ? "set" : "unset", axis);
     // All numbers of an axis in one notation; '%g' would write 500000 beside 1e+06.
     const double most = std::max(std::abs(range.low), std::abs(range.high));
@@ -224,7 +224,7 @@ class Writer {
   }
 
   /// @param legend_line  px of a line in the legend
-  void plot(const Panel& panel, const Range& x, const Range& y, double legend_line) {
+  void plot(const Panel& panel, const AxisRange& x, const AxisRange& y, double legend_line) {
     int object = 0;
     for (const Band& band : panel.bands) {
       line("set object {} rectangle from {},graph 0 to {},graph 1 behind fc rgb '{}' fs solid noborder", ++object,

@@ -22,7 +22,7 @@ std::size_t points_of(const Figure& figure) {
   return count;
 }
 
-json scale_json(const Scale& scale, const std::string& label, const Range& range) {
+json scale_json(const Scale& scale, const std::string& label, const AxisRange& range) {
   return {{"label", clean_title(label)}, {"log", scale.log}, {"from", range.low}, {"to", range.high}};
 }
 

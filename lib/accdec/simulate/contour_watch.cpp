@@ -25,7 +25,7 @@ constexpr int few_halvings = 4;  // to tell where a step leaves the path, if ano
 
 }  // namespace
 
-ContourWatch::ContourWatch(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last)
+PathContour::PathContour(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last)
     : path_(timing.path()),
       reach_(reach),
       n_(path_.dimensions()),
@@ -42,7 +42,7 @@ ContourWatch::ContourWatch(const CommandTiming& timing, std::int64_t reach, std:
   emit_commands<0>(timing, first, last, times);
 }
 
-ContourWatch::Nearest ContourWatch::nearest(const double* point) const {
+PathContour::Nearest PathContour::nearest(const double* point) const {
   Nearest found{low_, unlimited};
   for (std::size_t b = low_; b <= high_; ++b) {
     const double square = segment_distance2(path_.asked(b), path_.asked(b + 1), point, n_);
@@ -52,7 +52,7 @@ ContourWatch::Nearest ContourWatch::nearest(const double* point) const {
   return found;
 }
 
-void ContourWatch::note(const Nearest& found, const double* point) {
+void PathContour::note(const Nearest& found, const double* point) {
   if (found.distance > worst_) worst_ = found.distance, worst_block_ = found.block, worst_sample_ = number_;
   if (holds(found.distance, path_.contour_max)) return;
   const auto square = [&](std::size_t p) {
@@ -70,7 +70,7 @@ void ContourWatch::note(const Nearest& found, const double* point) {
 }
 
 /// The distance from one block is convex along a step. So no point of it is farther away than the farther end.
-void ContourWatch::between(const double* from, const double* to, int depth) {
+void PathContour::between(const double* from, const double* to, int depth) {
   double most = unlimited;
   for (std::size_t b = low_; b <= high_; ++b) {
     most = std::min(most, std::max(segment_distance2(path_.asked(b), path_.asked(b + 1), from, n_),
@@ -86,7 +86,7 @@ void ContourWatch::between(const double* from, const double* to, int depth) {
   between(middle.data(), to, depth + 1);
 }
 
-void ContourWatch::look(std::int64_t number, std::int64_t count, const double* const* position) {
+void PathContour::look(std::int64_t number, std::int64_t count, const double* const* position) {
   std::array<double, program_axis_count> now{};
   for (std::int64_t i = 0; i < count; ++i) {
     number_ = number + i;
@@ -103,7 +103,7 @@ void ContourWatch::look(std::int64_t number, std::int64_t count, const double* c
   }
 }
 
-void ContourWatch::finish(Simulation& result) const {
+void PathContour::finish(Simulation& result) const {
   LimitUse use;
   use.kind = LimitKind::contour;
   use.value = worst_;

@@ -10,10 +10,10 @@ namespace accdec {
 
 /// The largest distance of a motion from the programmed path: of the polyline through its samples from the nearest of
 /// the blocks that act on it. These are the blocks commanded within the filter's length before.
-class ContourWatch {
+class PathContour {
  public:
   /// Refers to the path. @param reach  samples by which the motion may be behind the command
-  ContourWatch(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last);
+  PathContour(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last);
   /// The next samples, as SampleSink has them.
   void look(std::int64_t number, std::int64_t count, const double* const* position);
   /// Adds the use of the limit, and where it is broken.

@@ -309,7 +309,7 @@ Simulation simulate_program(const CommandTiming& timing, const Filter& filter, s
                             std::span<double> errors, const SimulationOptions& options) {
   SimulationOptions watched = options;
   const std::span<const Filter> motion = options.motion.empty() ? std::span(&filter, 1) : options.motion;
-  std::optional<ContourWatch> contour;
+  std::optional<PathContour> contour;
   if (timing.path().contour_max < unlimited) {
     contour.emplace(timing, longest(motion).order(), first, last);
     watched.samples = [&](std::int64_t k, std::int64_t count, const double* const* position,

@@ -59,7 +59,7 @@ struct Simulation {
 /// the sink's samples are then of the motion behind the servo, all other limits and the number of samples of the
 /// command.
 ///
-/// Limits of a path (Toolpath::contour_max, see ContourWatch) and of modes of axes (ModeWatch) stand behind all others.
+/// Limits of a path (Toolpath::contour_max, see PathContour) and of modes of axes (ModeWatch) stand behind all others.
 ///
 /// @param first, last  blocks to simulate; the motion begins and ends at rest there
 /// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window
