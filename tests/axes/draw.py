@@ -1,8 +1,8 @@
 """Random machines and corners: a period, limits of a filter of a few samples, and what the kind of the machine adds."""
 import math
 
-KINDS = ("servo", "differ", "prefilter", "friction", "force-speed", "damped", "residual", "contour", "supply", "several",
-         "all")
+KINDS = ("servo", "differ", "prefilter", "friction", "force-speed", "damped", "residual", "contour", "supply",
+         "several", "all")
 
 
 def draw(rng, kind):

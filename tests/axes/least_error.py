@@ -32,7 +32,7 @@ def least_error(task, gain, length):
     least = math.inf
     for delay in range(length):
         n = length - delay  # taps
-        # Columns: what each tap makes of position and following error, sample by sample: from even motion to even motion.
+        # Columns: the part of each tap in position and following error at every sample, between even motions.
         samples = np.arange(0, length + 60)
         behind = np.zeros((len(samples), n, 2))
         for i in range(n):

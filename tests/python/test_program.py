@@ -153,7 +153,8 @@ def test_free_motions_are_faster_than_profiles():
 def test_emits_and_draws(fixed):
     plan, folder = fixed
     assert plan.emit() == (folder / "star.ngc").read_text()
-    subprocess.run([os.environ["ACCDEC_BINARY"], "plot", folder / "plan.json", "--out", folder / "star.svg"], check=True)
+    program = os.environ["ACCDEC_BINARY"]
+    subprocess.run([program, "plot", folder / "plan.json", "--out", folder / "star.svg"], check=True)
     ours, theirs = accdec.plot(plan).svg, (folder / "star.svg").read_text()
     bounds = re.compile("at least [^<]*")  # how close they are depends on the clock
     assert bounds.sub("", ours) == bounds.sub("", theirs)

@@ -143,7 +143,8 @@ export function drawPath(place, now, before) {
   const parts = [make("title", {}, `path at corner ${view.name}`)];
   const clip = [];
   const binds = 1e6 * corner.corner_error_m >= binding * tolerance;
-  if (tolerance) clip.push(make("circle", { class: binds ? "tolerance binds" : "tolerance", cx, cy, r: tolerance * scale }));
+  const looks = binds ? "tolerance binds" : "tolerance";
+  if (tolerance) clip.push(make("circle", { class: looks, cx, cy, r: tolerance * scale }));
   const far = 3 * Math.hypot(box[1] - box[0], box[3] - box[2]);
   const legs = [
     at(-view.path.in[0] * far, -view.path.in[1] * far),

@@ -133,11 +133,10 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
 
 /// As accdec.profiles/1 left room beside arcs for their chords.
 void leave_room_for_arcs(Toolpath& path, double arc_tolerance) {
-  const auto inside = [&](std::size_t b) { return path.inside_arc[b] != 0; };
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     const double tolerance = path.tolerance[b];
-    const bool arc = inside(b) || (b > 0 && inside(b - 1)) || (b + 1 < path.blocks() && inside(b + 1));
-    if (arc) path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
+    if (is_chord(path, b) || (b + 1 < path.blocks() && is_chord(path, b + 1)))
+      path.tolerance[b] = std::max(0.5 * tolerance, tolerance - arc_tolerance);
   }
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/bounds/filter_bound.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plan/result/servo_report.hpp>
 
@@ -10,11 +11,9 @@ namespace {
 /// The least tolerance of corners, m; without any, that of arcs, less what their chords take.
 double least_tolerance(const Toolpath& path) {
   constexpr double usual = 1e-6;  // without any
-  const auto inside = [&](std::size_t b) { return b < path.blocks() && path.inside_arc[b] != 0; };
   double corners = unlimited, arcs = unlimited;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-    const bool of_arc = inside(b) || inside(b + 1) || (b > 0 && inside(b - 1));
-    double& least = of_arc ? arcs : corners;
+    double& least = is_chord(path, b) || is_chord(path, b + 1) ? arcs : corners;
     if (path.tolerance[b] > 0.0) least = std::min(least, path.tolerance[b]);
   }
   const double least = corners < unlimited ? corners : arcs;
