@@ -224,9 +224,7 @@ void run(ProgramArguments& options, Context& context) {
   require_delays(options, task);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});
-  options.file.plan = options.plan == "free"       ? PlanKind::free
-                      : options.plan == "profiles" ? PlanKind::profiles
-                                                   : PlanKind::fixed;
+  options.file.plan = plan_kind(options.plan);
   options.file.fixed.feeds = options.feeds == "keep" ? Feeds::keep : Feeds::choose;
   if (options.tool_length_mm) options.file.tools.length = *options.tool_length_mm * 1e-3;
   if (options.file.time_limit) options.file.deadline = Deadline(*options.file.time_limit);

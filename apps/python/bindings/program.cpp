@@ -55,7 +55,7 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
       [=](const Work& work) {
         ProgramFileOptions asked = options;
         asked.deadline.end_when(work.cancelled);
-        asked.plan = how == "free" ? PlanKind::free : how == "profiles" ? PlanKind::profiles : PlanKind::fixed;
+        asked.plan = plan_kind(how);
         asked.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         asked.free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
         ProgramFile read = read_program_file(file, *task, asked, teller(work));

@@ -296,6 +296,9 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
 /// free: a position for every sample.
 enum class PlanKind { fixed, profiles, free };
 
+/// @throws std::invalid_argument unless the name is "fixed", "profiles" or "free"
+PlanKind plan_kind(std::string_view name);
+
 /// Options of plan fixed.
 struct FixedOptions {
   Feeds feeds = Feeds::choose;

@@ -1,4 +1,5 @@
 #include <optional>
+#include <stdexcept>
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -29,6 +30,13 @@ ProgramResult fixed_with_bounds(const std::string& name, ProgramFile& file, cons
 }
 
 }  // namespace
+
+PlanKind plan_kind(std::string_view name) {
+  if (name == "fixed") return PlanKind::fixed;
+  if (name == "profiles") return PlanKind::profiles;
+  if (name == "free") return PlanKind::free;
+  throw std::invalid_argument("plans are fixed, profiles and free");
+}
 
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
