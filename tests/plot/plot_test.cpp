@@ -121,6 +121,15 @@ TEST(PlotResult, LimitsAreDrawnOrNamed) {
   EXPECT_DOUBLE_EQ(bands[0].to, 55.0);
 }
 
+TEST(PlotResult, TheAxisThatBindsIsNamed) {
+  DesignResult two = result();  // both axes change their acceleration by 5 m/s^2 within a sample
+  two.task.machine.axes[0].jerk_max = 5000.0, two.task.machine.axes[1].jerk_max = 6000.0;
+  const Panel jerk = panel(plot_result(two), "jerk");
+  EXPECT_THAT(jerk.title, HasSubstr(": x binds; x 100.0 %, y 83.3 % used"));
+  EXPECT_FALSE(jerk.notes.empty());
+  for (const Note& note : jerk.notes) EXPECT_EQ(note.text, "x");
+}
+
 TEST(PlotResult, TheWorstSampleIsMarkedAndTheBindingLimitNamed) {
   // In closed form 50 N of the allowed 60 N are used, which is 83.3 %. Power is 5 of 8 W, and braking is 5 - v F at the
   // first sample.

@@ -92,7 +92,7 @@ def test_names_what_is_wrong(call, right, name, value):
     with pytest.raises((ValueError, TypeError, OSError)) as refused:
         call(**{**right, name: value})
     said = str(refused.value)
-    shown = {"axes": "axis", "corners": "corner", "of": "task"}.get(name, name)
+    shown = {"of": "task"}.get(name, name)
     assert shown in said or not isinstance(value, (int, float)), said
     assert not [words for words in FOREIGN if words in said], said
 

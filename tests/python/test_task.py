@@ -157,7 +157,7 @@ def test_errors_have_the_text_of_the_command_line(tmp_path, text):
     ({"corners": {"angle": 1.0, "feed_in": 0.1, "velocity": 1}}, "velocity"),
     ({"corners": []}, "no corner"),
     ({"corners": {"angle": "wide", "feed_in": 0.1}}, "`angle` must be a number"),
-    ({"corners": {"angle": 1.0, "feed_in": 0.1}, "axes": {"force_max": 10}}, "mass_kg"),
+    ({"corners": {"angle": 1.0, "feed_in": 0.1}, "axes": {"force_max": 10}}, "give mass or damping"),
 ])
 def test_wrong_fields_are_named(fields, words):
     with pytest.raises(accdec.InputError, match=words):

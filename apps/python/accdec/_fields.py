@@ -6,12 +6,13 @@ import difflib
 import json
 import math
 import os
-from typing import Any, Mapping
+import re
+from typing import Any, Callable, Mapping, Union
 
 import numpy as np
 
 from . import _core
-from ._arguments import array, wrong
+from ._arguments import array, flag, wrong
 
 _LISTS = {"axes": "axis", "corners": "corner", "modes": "mode"}
 _DESIGN = ("order_min", "order_max", "symmetric", "objective", "runs", "coefficient_bits", "family", "stages",
@@ -23,6 +24,47 @@ FIELDS = ("title", "sample_period", *_LISTS, "filter", "baseline", "controller",
 _FILE = ("sample_period_ms", *_LISTS.values(), "design", "program")
 
 
+_PLURALS = {table: name for name, table in _LISTS.items()}
+# The words of task files and of the command line, and Python's for the same.
+_WORDS: list[tuple[str, Union[str, Callable[[re.Match[str]], str]]]] = [
+    (r"\[\[(axis|corner|mode)\]\] (\d+)", lambda m: f"{_PLURALS[m[1]]}[{int(m[2]) - 1}]"),
+    (r"`(axis|corner|mode)`(?= must (be a list of|hold) tables)", lambda m: f"`{_PLURALS[m[1]]}`"),
+    (r"a list of tables \[\[\w+\]\]", "a dict or a list of dict"),
+    (r"hold tables \[\[\w+\]\]", "hold dicts"),
+    (r"one \[\[(axis|corner|mode)\]\]", r"one \1"),
+    (r"\[\[(axis|corner|mode)\]\]", lambda m: _PLURALS[m[1]]),
+    (r"/(axis|corner|mode)/(\d+)/(\w+)", lambda m: f"{_PLURALS[m[1]]}[{m[2]}].{m[3]}"),
+    (r"a table \[(filter|baseline)\]", "taps or a dict"),
+    (r"a table \[\w+\]", "a dict"),
+    (r"\[design\] (\w+)", r"\1"),
+    (r"\[(machine|controller|program)\] (\w+)", r"\2 of `\1`"),
+    (r"(?<![\w`])\[(machine|filter|baseline|controller|program)\]", r"`\1`"),
+    (r"the task \(top level\)", "a task"),
+    (r"a string in quotes", "a text"),
+    (r"a list of strings", "a list of texts"), (r"a string\b", "a text"),
+    (r"an array of numbers", "a list of numbers"),
+    (r"got an array", "got a list"), (r"got a table", "got a dict"), (r"got a boolean", "got a bool"),
+    (r"\b(got|is) an integer", r"\1 an int"), (r"got a number with a fraction", "got a float"),
+    (r"must be true or false", "must be True or False"), (r"got true\b", "got True"), (r"got false\b", "got False"),
+    (r"--(plan|feeds|method) (\w+)", r'\1="\2"'),
+    (r"--([a-z]+(?:-[a-z]+)*)", lambda m: m[1].replace("-", "_")),
+]
+
+
+def in_python_words(message: str, pointer: str = "", written: str = "") -> str:
+    """What a reader of task files says, in Python's words, with the place of an entry among several.
+
+    `pointer` is a JSON pointer in the JSON that was `written`.
+    """
+    for pattern, words in _WORDS:
+        message = re.sub(pattern, words, message)
+    _, table, number, *_ = [*pointer.split("/"), "", "", ""]
+    place = f"{_PLURALS.get(table)}[{number}]"
+    if table in _PLURALS and number.isdigit() and place not in message and len(json.loads(written).get(table, ())) > 1:
+        return f"{place}: {message}"
+    return message
+
+
 def _require_known(name: str) -> None:
     if name in FIELDS or name in _FILE:
         return
@@ -31,22 +73,23 @@ def _require_known(name: str) -> None:
     raise _core.InputError(f"task: unknown argument `{name}`; {hint}")
 
 
-def _plain(value: Any, name: str) -> Any:
+def _plain(value: Any, name: str, place: str = "") -> Any:
     """NumPy's numbers and arrays as Python's; None and infinite limits left out."""
     if isinstance(value, np.ndarray):
         value = value.tolist()
     elif isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, Mapping):
-        return {str(k): _plain(v, str(k)) for k, v in value.items()
+        return {str(k): _plain(v, str(k), place) for k, v in value.items()
                 if v is not None and not (isinstance(v, float) and v == math.inf)}
     if isinstance(value, (list, tuple)):
-        return [_plain(v, name) for v in value]
+        entries = name in _LISTS and len(value) > 1
+        return [_plain(v, name, f"{name}[{i}]: " if entries else place) for i, v in enumerate(value)]
     if isinstance(value, float) and not math.isfinite(value):
-        raise _core.InputError(f"task: `{name}` is {value}; a finite number is needed")
+        raise _core.InputError(f"task: {place}`{name}` is {value}; a finite number is needed")
     if isinstance(value, (str, bool, int, float)):
         return value
-    raise TypeError(f"task: `{name}` is a {type(value).__name__}; allowed are numbers, texts, lists and dicts")
+    raise TypeError(f"task: {place}`{name}` is a {type(value).__name__}; allowed are numbers, texts, lists and dicts")
 
 
 def _filter(name: str, value: Any) -> Any:
@@ -71,16 +114,26 @@ def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
         if key in ("filter", "baseline"):
             value = _filter(name, value)
         if key in _DESIGN:
-            task.setdefault("design", {})[key] = _plain(value, key)
+            task.setdefault("design", {})[key] = _plain(value, name)
         elif key == "design":
-            task.setdefault("design", {}).update(_plain(value, key))
+            task.setdefault("design", {}).update(_plain(value, name))
         else:
-            task[key] = _plain(value, key)
+            task[key] = _plain(value, name)
     return task
 
 
 def to_json(fields: Mapping[str, Any]) -> str:
     return json.dumps(tables(fields))
+
+
+def parted(fields: Mapping[str, Any]) -> tuple[str, bool]:
+    """The task as JSON, and whether it is one for a whole program: `program` says so, or has that table's keys."""
+    rest = {name: value for name, value in fields.items() if name not in ("program", "_program")}
+    program = fields["program"]
+    if not isinstance(program, Mapping):
+        return to_json(rest), flag("program", program)
+    made = tables({**rest, "program": program})
+    return json.dumps(made), fields.get("_program", False) or not made.get("corner")
 
 
 def to_dict(task: _core.Task) -> dict[str, Any]:
@@ -104,7 +157,8 @@ def replaced(task: _core.Task, fields: Mapping[str, Any]) -> _core.Task:
     merged = {key: value for key, value in {**old, **new}.items() if key not in gone}
     if "design" in merged:
         merged["design"] = {key: value for key, value in merged["design"].items() if key not in gone}
-    return _core.Task(program=not merged.get("corner"), **merged)
+    whole: dict[str, Any] = {"program": not merged.get("corner"), **merged}
+    return _core.Task(**whole)
 
 
 def as_task(given: Any, *, program: bool = False, complete: bool = False) -> _core.Task:
@@ -114,5 +168,6 @@ def as_task(given: Any, *, program: bool = False, complete: bool = False) -> _co
     if isinstance(given, (str, os.PathLike)):
         return _core.Task.read(given, program=program, given=complete)
     if isinstance(given, Mapping):
-        return _core.Task(program=program, **given)
+        fields: dict[str, Any] = {"program": program, **given, "_program": program}
+        return _core.Task(**fields)
     raise wrong("task", "must be a Task, the path of a task file or a dict", given, TypeError)

@@ -42,6 +42,9 @@ py::bytes drawn(Draw draw) {
 /// The values to set in a controller, with the answer in words.
 py::dict settings_dict(const ChosenSettings& settings, const std::string& answer);
 
+/// The words of the library, with Python's names of arguments in place of keys of files and options of the command line.
+py::object in_python_words(const std::string& said);
+
 /// A list with what `make` makes of every item.
 template <class Item, class Make>
 py::list list_of(const std::vector<Item>& items, Make make) {

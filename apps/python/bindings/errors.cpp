@@ -1,6 +1,9 @@
 #include <exception>
+#include <stdexcept>
+#include <string>
 
 #include <accdec/files.hpp>
+#include <accdec/formats/si_names.hpp>
 #include <accdec/problem.hpp>
 
 #include "bindings.hpp"
@@ -37,6 +40,10 @@ void raise_input_error(const InputError& error) {
 
 }  // namespace
 
+py::object in_python_words(const std::string& said) {
+  return py::module_::import("accdec._fields").attr("in_python_words")(in_si_names(said, ""));
+}
+
 void bind_errors(py::module_& module) {
   input_error = new_class(
       module, "InputError", PyExc_ValueError,
@@ -53,6 +60,8 @@ void bind_errors(py::module_& module) {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const InputError& error) {
       raise_input_error(error);
+    } catch (const std::invalid_argument& error) {
+      PyErr_SetObject(PyExc_ValueError, in_python_words(error.what()).ptr());
     } catch (const OutputError& error) {
       PyErr_SetString(output_error, error.what());
     } catch (const nlp::StopRun& stop) {

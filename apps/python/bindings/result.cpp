@@ -278,7 +278,7 @@ void bind_result(py::module_& module) {
       .def_property_readonly("status", &status_number)
       .def_property_readonly("outcome", [](const DesignResult& r) { return to_string(r.status); })
       .def_property_readonly("stop", [](const DesignResult& r) { return to_string(r.stop); })
-      .def_property_readonly("message", [](const DesignResult& r) { return r.message; })
+      .def_property_readonly("message", [](const DesignResult& r) { return in_python_words(r.message); })
       .def_property_readonly("mip_gap", [](const DesignResult& r) { return r.gap; })
       .def_property_readonly("mip_dual_bound", [](const DesignResult& r) { return r.lower_bound; })
       .def_property_readonly("order",

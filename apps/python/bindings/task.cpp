@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
 
+#include <accdec/files/faults.hpp>
 #include <accdec/files/output_files.hpp>
+#include <accdec/formats/si_names.hpp>
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
@@ -32,9 +34,31 @@ bool flag(const char* name, const py::object& value) {
   return argument<bool>("flag", name, value);
 }
 
-Task from_fields(const py::object& program, const py::kwargs& fields) {
-  return parse_task_json(fields_module().attr("to_json")(fields).cast<std::string>(), "task",
-                         options_of(flag("program", program), false));
+/// What `make` returns. Its errors speak of Python's arguments: their names, units and types.
+/// @param written  what the user wrote, as JSON
+template <class Make>
+Task in_words_of_python(const std::string& written, Make make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    const auto* several = dynamic_cast<const InputErrors*>(&error);
+    std::vector<InputError> said;
+    for (const InputError& one : several ? several->all() : std::vector<InputError>{error}) {
+      const std::string text = in_si_names(one.message(), written);
+      said.emplace_back(one.file(), one.line(), one.column(),
+                        fields_module().attr("in_python_words")(text, one.pointer(), written).cast<std::string>(),
+                        one.pointer());
+    }
+    throw InputErrors(std::move(said), several ? several->unlisted() : 0, several && several->at_least());
+  }
+}
+
+/// @param given  also program, True or the table [program]; _program: True even where that is a table
+Task from_fields(const py::dict& given) {
+  const py::tuple parts = fields_module().attr("parted")(given);
+  const auto json = parts[0].cast<std::string>();
+  const TaskOptions options = options_of(parts[1].cast<bool>(), false);
+  return in_words_of_python(json, [&] { return parse_task_json(json, "task", options); });
 }
 
 Task read(const py::object& path, const py::object& program, const py::object& given) {
@@ -47,7 +71,10 @@ Task parse(const py::object& text, const py::object& name, const py::object& pro
 }
 
 Task with_value(const Task& task, const py::object& key, const py::object& value) {
-  return with_setting(task, argument<std::string>("text", "key", key), argument<double>("real", "value", value));
+  const auto name = argument<std::string>("text", "key", key);
+  const auto number = argument<double>("real", "value", value);
+  const std::string written = nlohmann::json::object({{name.substr(name.rfind('.') + 1), number}}).dump();
+  return in_words_of_python(written, [&] { return with_setting(task, name, number); });
 }
 
 py::object vector(const Eigen::VectorXd& v) {
@@ -107,8 +134,9 @@ None, and limits that are infinite, are as if not given. Tasks do not change: `r
 
 Parameters
 ----------
-program : bool
-    A task for a whole program: without corners, and up to nine axes.
+program : bool or dict
+    True: a task for a whole program, without corners, and up to nine axes. So is a task without corners that has a
+    dict here: error_max and contour_max, for moves that the program gives no tolerance.
 title : str, optional
 sample_period : float
     s.
@@ -166,7 +194,12 @@ void bind_task(py::module_& module) {
   py::options options;
   options.disable_function_signatures();  // pybind11's own say no more than `object`
   py::class_<Task, std::shared_ptr<Task>>(module, "Task", task_doc)
-      .def(py::init(&from_fields), py::arg("program") = false)
+      .def(py::init([](const py::object& program, const py::kwargs& fields) {
+             py::dict all(fields);
+             all["program"] = program;
+             return from_fields(all);
+           }),
+           py::arg("program") = false)
       .def_static(
           "read", &read, py::arg("path"), py::arg("program") = false, py::arg("given") = false,
           "read(path, program=False, given=False)\n\nA task file. `program`: of a whole program; `given`: filter and "

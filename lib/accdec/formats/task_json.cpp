@@ -12,6 +12,7 @@
 #include <accdec/files/json_position.hpp>
 #include <accdec/files/suggestion.hpp>
 #include <accdec/files/units.hpp>
+#include <accdec/formats/si_names.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -22,26 +23,6 @@ namespace accdec {
 namespace {
 
 using PlainJson = nlohmann::json;
-
-/// "feed_in" of "feed_in_mm_min"; the key itself if it names no unit, or one of rotary axes, which are not SI inside.
-std::string si_name(const Key& key) {
-  const Unit* unit = unit_in_name(key.name);
-  const bool rotary = key.unit.starts_with("deg/") || key.unit == "kg m^2" || key.unit.starts_with("N m");
-  return unit && !rotary && unit->name == key.unit ? key.name.substr(0, key.name.size() - unit->suffix.size())
-                                                   : key.name;
-}
-
-/// The key that has this name in SI and another in files, in a table of a task; "" is the top.
-const Key* key_in_si(std::string_view table, std::string_view name) {
-  const Key* found = table.empty() ? nullptr : find_key(task_file().keys, table);
-  if (!table.empty() && !found) return nullptr;
-  const std::vector<Key>& keys = found ? found->keys : task_file().keys;
-  if (find_key(keys, name) != nullptr) return nullptr;  // a name of its own
-  for (const Key& key : keys) {
-    if (name != key.name && name == si_name(key)) return &key;
-  }
-  return nullptr;
-}
 
 /// A value in SI converted to the unit of its key.
 PlainJson in_unit_of(const Key& key, const PlainJson& value) {
@@ -54,20 +35,19 @@ PlainJson in_unit_of(const Key& key, const PlainJson& value) {
 }
 
 /// A number in SI is judged before it is converted, so that the message has the name and unit it was given in.
-void require_allowed(const Key& key, const std::string& name, const PlainJson& value, const std::string& file) {
+void require_allowed(const Key& key, const std::string& name, const PlainJson& value, const std::string& file,
+                     const std::string& at) {
   if (key.type != KeyType::number && key.type != KeyType::numbers) return;
   if (value.is_array() && key.type == KeyType::numbers) {
-    for (const PlainJson& element : value) require_allowed(key, name, element, file);
+    for (const PlainJson& element : value) require_allowed(key, name, element, file, at);
     return;
   }
   if (!value.is_number())
-    throw InputError(file, 0, 0, fmt::format("`{}` must be a number, got {}", name, value.dump()));
+    throw InputError(file, 0, 0, fmt::format("`{}` must be a number, got {}", name, value.dump()), at);
   const double given = value.get<double>();
   if (key.range.holds(from_si(key, given))) return;
-  Range allowed = key.range;
-  for (double* bound : {&allowed.low, &allowed.high})  // without the last digits of the conversion
-    *bound = std::stod(fmt::format("{:.9g}", to_si(key, *bound)));
-  throw InputError(file, 0, 0, fmt::format("`{}` = {} is out of range; {}", name, given, allowed.text(name)));
+  throw InputError(file, 0, 0, fmt::format("`{}` = {} is out of range; {}", name, given, range_in_si(key).text(name)),
+                   at);
 }
 
 /// A misspelt name without a unit is meant as a name in SI, so the suggestion is one, too.
@@ -76,36 +56,41 @@ void require_known(std::string_view name, std::string_view which, const std::str
   const std::vector<Key>& keys = which.empty() ? task_file().keys : find_key(task_file().keys, which)->keys;
   if (find_key(keys, name) != nullptr || unit_in_name(name) != nullptr) return;
   std::vector<std::string> names;
-  for (const Key& key : keys) names.push_back(si_name(key));
+  for (const Key& key : keys) {
+    const std::string short_name = si_name(key);
+    names.push_back(key_in_si(which, short_name) == &key ? short_name : key.name);
+  }
   const std::string hint = suggest(name, std::vector<std::string_view>(names.begin(), names.end()));
   throw InputError(file, 0, 0, fmt::format("unknown key `{}` in {}; {}", name, label, hint));
 }
 
 /// Renames and converts the SI keys of a table.
-void to_file_keys(PlainJson& table, std::string_view which, const std::string& label, const std::string& file) {
+/// @param at  its JSON pointer
+void to_file_keys(PlainJson& table, std::string_view which, const std::string& label, const std::string& file,
+                  const std::string& at) {
   if (!table.is_object()) return;
   PlainJson renamed = PlainJson::object();
   for (const auto& [name, value] : table.items()) {
     const Key* key = key_in_si(which, name);
     if (!key) require_known(name, which, label, file);
     if (key && table.contains(key->name))
-      throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name, key->name));
-    if (key) require_allowed(*key, name, value, file);
+      throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name, key->name), at);
+    if (key) require_allowed(*key, name, value, file, at + "/" + key->name);
     renamed[key ? key->name : name] = key ? in_unit_of(*key, value) : value;
   }
   table = std::move(renamed);
 }
 
 void to_file_keys(PlainJson& task, const std::string& file) {
-  to_file_keys(task, "", "the task (top level)", file);
+  to_file_keys(task, "", "the task (top level)", file, "");
   for (const char* const table : {"design", "machine", "axis", "corner", "mode", "program", "controller"}) {
     const auto found = task.find(table);
     if (found == task.end()) continue;
     if (found->is_array()) {
-      std::size_t number = 0;
-      for (PlainJson& element : *found) to_file_keys(element, table, fmt::format("[[{}]] {}", table, ++number), file);
+      for (std::size_t i = 0; i < found->size(); ++i)
+        to_file_keys((*found)[i], table, fmt::format("[[{}]] {}", table, i + 1), file, fmt::format("/{}/{}", table, i));
     } else {
-      to_file_keys(*found, table, fmt::format("[{}]", table), file);
+      to_file_keys(*found, table, fmt::format("[{}]", table), file, fmt::format("/{}", table));
     }
   }
 }

@@ -30,6 +30,12 @@ struct LimitLine {
   double y = 0.0;
   std::string label;
 };
+/// A word above a point, or below it, in the colour of a limit that binds.
+struct Note {
+  double x = 0.0, y = 0.0;
+  std::string text;
+  bool below = false;
+};
 /// A vertical band, shaded.
 struct Band {
   double from = 0.0, to = 0.0;
@@ -71,6 +77,7 @@ struct Panel {
   Scale x, y;
   std::vector<Series> series;
   std::vector<LimitLine> limits;
+  std::vector<Note> notes;
   std::vector<Band> bands;
   std::vector<Circle> circles;
   std::optional<HeatMap> heat_map;

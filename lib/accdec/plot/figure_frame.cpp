@@ -53,7 +53,7 @@ std::pair<AxisRange, AxisRange> ranges(const Panel& panel) {
     if (scale.max) range.high = *scale.max;
   };
   finish(x, panel.x, 0.0);
-  finish(y, panel.y, panel.heat_map ? 0.0 : 0.06);
+  finish(y, panel.y, panel.heat_map ? 0.0 : panel.notes.empty() ? 0.06 : 0.12);
   return {x, y};
 }
 

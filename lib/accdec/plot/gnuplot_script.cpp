@@ -148,6 +148,10 @@ class Writer {
     line("{}", zero ? "set xzeroaxis lc rgb '#808080' lw 0.8 dt solid" : "unset xzeroaxis");
     legend_ = place.legend;
     for (const EndPlace& end : place.ends) end_label(panel.series[end.series], end, place, page);
+    for (const Note& note : panel.notes) {
+      line("set label {} at {},{} center offset 0,{} font 'DejaVu Sans,10' tc rgb '{}' front", quoted(note.text),
+           number(note.x), number(note.y), note.below ? "-0.5" : "0.5", colours[binding_style]);
+    }
     plot(panel, x, y, place.legend_line);
     line("unset arrow\nunset label");
   }

@@ -101,9 +101,10 @@ class QuantityPanel {
   Panel finished() {
     std::move(curves_.begin(), curves_.end(), std::back_inserter(panel_.series));
     std::move(bars_.begin(), bars_.end(), std::back_inserter(panel_.series));
+    if (lines_.size() > 1) panel_.notes = std::move(notes_);
     const auto worst = std::ranges::max_element(lines_, {}, &Line::use);
     if (worst->use > 0.0) {
-      panel_.title += ": " + uses() + (worst->use > binding ? ", binding" : "");
+      panel_.title += ": " + bound() + uses() + (lines_.size() == 1 && worst->use > binding ? ", binding" : "");
       if (worst->use <= binding)
         panel_.series.push_back({"largest use", {worst->worst.first}, {worst->worst.second}, Mark::points, 0});
     }
@@ -131,8 +132,39 @@ class QuantityPanel {
         if (n > 0) bars.y[n - 1] = limit;  // a step ends at its sample
         any = true;
       }
+      name_bars(bars, limit, line.name);
       if (any) bars_.push_back(std::move(bars));
     }
+  }
+
+  /// The axis, beside each of its bars. Bars that overlap, or nearly, have one note with all names.
+  void name_bars(const Series& bars, double limit, const std::string& name) {
+    const double near = 0.03 * (*panel_.x.max - *panel_.x.min);
+    for (std::size_t first = 0; first < bars.y.size(); ++first) {
+      if (std::isnan(bars.y[first])) continue;
+      std::size_t last = first;
+      while (last + 1 < bars.y.size() && !std::isnan(bars.y[last + 1])) ++last;
+      const double middle = 0.5 * (bars.x[first] + bars.x[last]);
+      first = last;
+      const auto there = std::ranges::find_if(
+          notes_, [&](const Note& note) { return note.y == limit && std::abs(note.x - middle) < near; });
+      if (there == notes_.end())
+        notes_.push_back({middle, limit, name, limit < 0.0});
+      else if (!there->text.ends_with(name))
+        there->text += ", " + name;
+    }
+  }
+
+  /// "y binds; ", where there are several axes.
+  std::string bound() const {
+    std::string names;
+    std::size_t count = 0;
+    for (const Line& line : lines_) {
+      if (line.use <= binding) continue;
+      names += (names.empty() ? "" : ", ") + line.name;
+      ++count;
+    }
+    return count == 0 || lines_.size() == 1 ? "" : fmt::format("{} bind{}; ", names, count == 1 ? "s" : "");
   }
 
   /// "x 40.0 %, y 98.2 % used"
@@ -174,6 +206,7 @@ class QuantityPanel {
   Panel panel_;
   std::vector<Line> lines_;
   std::vector<Series> curves_, bars_;
+  std::vector<Note> notes_;
   double peak_ = 0.0;
 };
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/plot/figure_style.hpp>
 #include <accdec/study/filters_figure.hpp>
 #include <accdec/task/simulation.hpp>
 
@@ -61,14 +62,16 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
   const auto axis = std::find_if(task.machine.axes.begin(), task.machine.axes.end(),
                                  [&](const Axis& a) { return limit != nullptr && a.name == limit->axis; });
   Panel taps, speed, use;
-  taps.x.label = "time / ms", taps.y.label = "tap";
+  taps.title = "taps", speed.title = "speed / mm/s";
+  taps.x.label = "time / ms";
   speed.x.label = use.x.label = "time from the corner command / ms";
-  speed.y.label = "speed / (mm/s)";
-  int style = 0;
   for (const auto& [label, result] : compared(optimum)) {
-    Series b{label, {}, {}, Mark::line, style}, v{label, {}, {}, Mark::line, style},
-        u{label, {}, {}, Mark::line, style};
-    ++style;
+    Series b{label, {}, {}, Mark::line, figure_style::design_style, true};
+    if (result != &optimum.design) {
+      const bool first = taps.series.size() == 1;
+      b.style = first ? figure_style::baseline_style : 4, b.dash = first ? 1 : 3;
+    }
+    Series v = b, u = b;
     for (int i = 0; i <= result->filter->order(); ++i) {
       b.x.push_back(1e3 * period * i);
       b.y.push_back(result->filter->tap(i));
@@ -96,11 +99,12 @@ std::optional<Figure> filters_figure(const study::Optimum& optimum) {
   }
   Figure figure;
   figure.title = fmt::format("{}: the optimum beside two averages and an exponential", optimum.name);
+  figure.one_legend = true;
   figure.panel_width = 820;
   figure.panel_height = 240;
   figure.panels = {taps, speed};
   if (axis != task.machine.axes.end()) {
-    use.y.label = fmt::format("{} {} / limit, %", limit_name(limit->kind).name, axis->name);
+    use.title = fmt::format("{} of {}, % of its limit", limit_name(limit->kind).name, axis->name);
     use.limits.push_back({100.0, "limit"});
     figure.panels.push_back(std::move(use));
   }

@@ -208,8 +208,8 @@ Figure growth_figure(const std::vector<Optimum>& growth) {
         series.x.push_back(o.samples());
         series.y.push_back(o.design.filter ? named.second(o) : nothing);
         if (!(series.y.back() > 0.0 && series.x.back() > 0.0)) continue;
-        p.x.min = std::min(p.x.min.value_or(1e300), decade(series.x.back(), false));
-        p.x.max = std::max(p.x.max.value_or(0.0), decade(series.x.back(), true));
+        p.x.min = std::min(p.x.min.value_or(1e300), 0.9 * series.x.back());
+        p.x.max = std::max(p.x.max.value_or(0.0), 1.1 * series.x.back());
         p.y.min = std::min(p.y.min.value_or(1e300), decade(series.y.back(), false));
         p.y.max = std::max(p.y.max.value_or(0.0), decade(series.y.back(), true));
       }
@@ -219,11 +219,11 @@ Figure growth_figure(const std::vector<Optimum>& growth) {
     figure.panels.push_back(std::move(p));
   };
   const auto named = [](const char* name, auto f) { return std::pair<std::string, decltype(f)>(name, f); };
-  panel("Time / ms", named("design", [](const Optimum& o) { return 1e3 * o.design.solver.wall_time; }),
+  panel("time / ms", named("design", [](const Optimum& o) { return 1e3 * o.design.solver.wall_time; }),
         named("recheck", [](const Optimum& o) { return 1e3 * o.check_time; }));
-  panel("Count",
-        named("programmes", [](const Optimum& o) { return static_cast<double>(o.design.solver.evaluations); }));
-  panel("Size / kB",
+  panel("number",
+        named("linear programmes", [](const Optimum& o) { return static_cast<double>(o.design.solver.evaluations); }));
+  panel("size / kB",
         named("certificate", [](const Optimum& o) { return 1e-3 * static_cast<double>(o.certificate_bytes); }));
   figure.columns = 1;
   return figure;

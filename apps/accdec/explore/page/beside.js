@@ -27,7 +27,10 @@ export class Beside {
         this.answer = answer;
         draw();
       },
-      () => {},
+      () => {
+        this.answer = null; // it spoke of another task
+        draw();
+      },
     );
   }
 

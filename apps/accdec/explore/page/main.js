@@ -23,6 +23,8 @@ const found = (answer) => (answer?.result.filter ? answer : null);
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
 shared.pageText = () => pageText(shared);
+/** Whether an answer is under way that replaces what is drawn. A longer search for a proof is not. */
+shared.busy = () => [design, families, thorough, today, beside.member].some((one) => one.busy || one.next);
 const state = (shared.state = new State(start.task, changed, chosen));
 const beside = new Beside(() => draw(settled()));
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
@@ -77,7 +79,10 @@ const today = new Latest(
     page.today = { ...answer, of: textOf(task) };
     draw(settled());
   },
-  () => {},
+  () => {
+    page.today = null; // it spoke of another task
+    draw(settled());
+  },
 );
 function fail(error) {
   page.design = page.families = null;

@@ -1,6 +1,7 @@
 // Quantities over time at a corner: design over before, limits where they are and red where they bind.
 import { Chart } from "./curves.js";
 import { make, unit } from "./format.js";
+import { binding } from "./marks.js";
 
 /** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
 export function blendOnly(view) {
@@ -20,6 +21,8 @@ export const distances = (path) => path.off_um.map((x) => (x < 1e-6 ? 0 : x));
 
 /** Power has a bound of its own for driving, above zero, and for braking, below. */
 const sidesOf = { power: [1], regeneration: [-1] };
+
+const binds = (axis, sides) => axis.values.some((v) => Math.abs(v) >= binding * axis.bound && sides.includes(Math.sign(v)));
 
 /** The charts of all quantities of a corner; made again only where other quantities are shown. */
 export class Motion {
@@ -72,7 +75,11 @@ export class Motion {
         specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bound: least, least });
         if (least) limits.add(least);
       }
-      this.charts.get(quantity.kind).show(
+      const chart = this.charts.get(quantity.kind);
+      const bind = quantity.axes.filter((axis) => axis.bound !== null && binds(axis, sides)).map((axis) => axis.name);
+      const names = bind.length ? `: ${bind.join(", ")} ${bind.length > 1 ? "bind" : "binds"}` : "";
+      chart.heading.textContent = `${quantity.kind} / ${unit(quantity.unit)}${names}`;
+      chart.show(
         specs,
         [...limits].map((value) => ({ value })),
         { period, x },

@@ -254,7 +254,11 @@ async function pageText() {
   });
 }
 $("#save").addEventListener("click", async () => {
-  download(new Blob([await pageText()], { type: "text/html" }), `${program.name.replace(/^.*[/]|[.][^.]*$/g, "")}.html`);
+  try {
+    download(new Blob([await pageText()], { type: "text/html" }), `${program.name.replace(/^.*[/]|[.][^.]*$/g, "")}.html`);
+  } catch (error) {
+    $("#info").textContent = error.message;
+  }
 });
 addEventListener("resize", () => {
   clearTimeout(drawTime.later);

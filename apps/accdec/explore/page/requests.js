@@ -53,6 +53,7 @@ export class Latest {
   }
   drop() {
     this.next = undefined;
+    this.busy = null;
     ++this.number;
   }
   async send() {

@@ -88,16 +88,14 @@ function sayChoices(copy) {
   });
 }
 
-/** A copy of the page as one file: drawings as images, no script, nothing linked. */
+/** A copy of the page as one file: drawings as images, no script, nothing linked. @param change  gets the copy */
 export async function frozen(change = () => {}) {
   const copy = document.documentElement.cloneNode(true);
   const drawn = document.querySelectorAll("canvas");
   copy.querySelectorAll("canvas").forEach((canvas, i) => {
-    const image = make("img", {
-      src: drawn[i].toDataURL(),
-      alt: "",
-      style: `width:${drawn[i].style.width};height:${drawn[i].style.height}`,
-    });
+    const image = make("img", { src: drawn[i].toDataURL(), alt: "" });
+    const { width, height } = drawn[i].style;
+    Object.assign(image.style, { width, height }); // an attribute would break the page's rules for its content
     canvas.replaceWith(image);
   });
   copy
@@ -113,20 +111,30 @@ export async function frozen(change = () => {}) {
         make("output", {}, fields[i].type === "checkbox" ? (fields[i].checked ? "yes" : "no") : fields[i].value),
       ),
     );
+  copy.querySelectorAll("tr.old").forEach((row) => row.remove());
+  copy.querySelectorAll(".wide.old, .wide.running").forEach((place) => place.replaceChildren());
   sayChoices(copy);
   for (const name of ["uPlot.min.css", "style.css"])
     copy.querySelector("head").append(make("style", {}, await (await fetch(name)).text()));
   copy.querySelector("body").classList.add("saved");
-  change(copy);
+  await change(copy);
   return `<!doctype html>\n${copy.outerHTML}\n`;
 }
 
-/** The present state, with its task. */
+/**
+ * The present state, with its task. What is still being computed is waited for, so that the page saved speaks of one
+ * task. @throws Error where there is no answer to what the fields say
+ */
 export async function pageText(shared) {
-  const task = await askText("file", shared.state.task);
+  const has = (name) => document.body.classList.contains(name);
+  const until = performance.now() + 5000;
+  while (performance.now() < until && (has("stale") || shared.busy())) await new Promise((go) => setTimeout(go, 50));
+  if (has("unread")) throw new Error("not saved: a field has no number that is allowed");
+  if (has("stale")) throw new Error("not saved: these numbers have no answer yet; save when it is there");
+  const task = askText("file", shared.state.task);
   const summary = make("summary", {}, "The task, as a task file");
-  return frozen((copy) =>
-    copy.querySelector("main").append(make("details", { id: "task-file" }, summary, make("pre", {}, task))),
+  return frozen(async (copy) =>
+    copy.querySelector("main").append(make("details", { id: "task-file" }, summary, make("pre", {}, await task))),
   );
 }
 

@@ -33,6 +33,7 @@ export function tools(shared, draw) {
     const button = $("#explain"),
       place = $("#limits .wide");
     button.disabled = true;
+    place.classList.add("running");
     const asked = structuredClone(state.task);
     place.replaceChildren("solving the task again with more room for every limit ..");
     try {
@@ -43,6 +44,7 @@ export function tools(shared, draw) {
       place.replaceChildren(error.message);
     }
     button.disabled = false;
+    place.classList.remove("running");
   };
   // A page of paper cannot be unfolded.
   const folded = [];

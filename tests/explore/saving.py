@@ -1,0 +1,54 @@
+"""The page saved as one file."""
+import json
+import re
+
+from opened import check
+
+
+def saves_one_task(page):
+    """A page saved while answers are under way waits for them; without an answer it is not saved."""
+    page.wait("document.querySelectorAll('#families tbody tr').length > 3", "families")
+    before = page.value("document.querySelector('#time').dataset.value")
+    page.value("""globalThis.realFetch = fetch;
+        globalThis.fetch = async (at, how) => {
+            if (/^(design|families)/.test(at)) await new Promise((go) => setTimeout(go, 700));
+            return realFetch(at, how);
+        };""")
+    page.value("document.querySelector('#corner-0-error_max_um-slider').focus()")
+    for _ in range(3):
+        page.key("ArrowLeft", shift=True)
+    text = page.value("accdecPage.pageText()")
+    shown = page.value("document.querySelector('#time').dataset.value")
+    check(shown != before and f'data-value="{shown}"' in text, f"saved while it searched: {shown} s, not {before} s")
+    bound = json.loads(page.value("document.body.dataset.task"))["corner"][0]["error_max_um"]
+    check(f"error_max_um = {bound}" in text, f"with the task of that time, {bound} um")
+    check(not re.search(r'class="[^"]*\b(stale|old)\b', text), "and no row of another task")
+    page.value("globalThis.fetch = (at, how) => String(at).startsWith('design') ? new Promise(() => {}) : realFetch(at, how)")
+    page.key("ArrowLeft", shift=True)
+    said = page.value("accdecPage.pageText().then(() => 'saved', (error) => error.message)")
+    check(said.startswith("not saved: these numbers have no answer yet"), said)
+    page.value("globalThis.fetch = realFetch")
+    page.open(page.program.address)
+    page.settle()
+
+
+def saves(page):
+    page.browser.events.clear()
+    text = page.value("accdecPage.pageText()")
+    page.value("document.querySelector('#save').click()")
+    page.settle()
+    wrong = [c for c in page.browser.complaints() if not c.startswith("request for")]
+    check(not wrong, f"saves without a word on the console {wrong or ''}".strip())
+    file = page.home / "saved.html"
+    file.write_text(text)
+    check(not [dead for dead in ("find out<", 'id="whole"', "from rest to rest</label") if dead in text],
+          "no control that does nothing")
+    check("<script" not in text and "<link" not in text and "src=\"http" not in text,
+          f"saved as one file of {len(text) / 1e3:.0f} kB")
+    address = page.value("location.href")
+    page.browser.open("about:blank")  # what the old page still asks is not the saved page's
+    page.browser.open(file)
+    wrong = [c for c in page.browser.complaints() if "data:" not in c]
+    check(not wrong, f"the saved page asks for nothing {wrong or ''}".strip())
+    check("ms" in page.value("document.querySelector('#time').textContent"), "and shows the design")
+    page.open(address)
