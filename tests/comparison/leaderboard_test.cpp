@@ -79,7 +79,8 @@ TEST(Leaderboard, CountsByDifficulty) {
   EXPECT_EQ(board_cell(t, "quick", "wrong claims"), "1");
   EXPECT_EQ(board_cell(t, "quick", "out of time"), "1");
   EXPECT_EQ(board_cell(t, "liar", "reached"), "0");
-  EXPECT_EQ(board_cell(t, "liar", "wrong claims"), "1");
+  EXPECT_EQ(board_cell(t, "liar", "wrong claims"), "3") << "a solution that breaks a limit, twice that there is none";
+  EXPECT_EQ(board_cell(t, "liar", "claims"), "3");
   EXPECT_EQ(board_cell(t, "liar", "claimed infeasible, but is not"), "2");
   EXPECT_EQ(board_cell(t, "liar", "refused"), "1");
   EXPECT_EQ(board_cell(t, "liar", "median time / s"), "");
@@ -98,6 +99,15 @@ TEST(Leaderboard, PageSaysHowToJoinAndWhatIsFair) {
   EXPECT_THAT(page->second, HasSubstr("Not tried: theirs."));
   EXPECT_THAT(page->second, HasSubstr("asked of the library"));
   EXPECT_THAT(page->second, ::testing::Not(HasSubstr("src=")));
+}
+
+TEST(Leaderboard, CostsAreNeverUnbounded) {
+  std::vector<std::string> lines = board_lines();
+  for (const int c : {0, 2, 3})
+    lines[static_cast<std::size_t>(13 + c)] = board_run(c, "liar", "unbounded", "none", "null", 0.1);
+  const ComparisonTable t = leaderboard_table(comparison::read_comparison(lines));
+  EXPECT_EQ(board_cell(t, "liar", "wrong claims"), "4") << "also of the problem without an answer";
+  EXPECT_EQ(board_cell(t, "liar", "claimed infeasible, but is not"), "1");
 }
 
 TEST(Leaderboard, OlderRawDataHaveNoDifficulties) {

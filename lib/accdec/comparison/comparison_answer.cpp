@@ -25,7 +25,7 @@ void count_claims(const ComparisonData& data, std::size_t s, Score& score) {
     for (int start = 0; start < data.starts; ++start) {
       const Attempt& a = data.attempt(c, start, s);
       if (comparison::claims_solution(a)) ++score.claims;
-      if (comparison::wrong_claim(data.cases[c], a)) ++score.wrong;
+      if (comparison::refuted_solution(data.cases[c], a)) ++score.wrong;
     }
   }
 }

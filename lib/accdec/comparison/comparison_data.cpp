@@ -293,9 +293,17 @@ bool claims_solution(const Attempt& attempt) {
   return attempt.claim == "solved" || attempt.claim == "acceptable";
 }
 
-bool wrong_claim(const ComparedCase& compared, const Attempt& attempt) {
+bool refuted_solution(const ComparedCase& compared, const Attempt& attempt) {
   return claims_solution(attempt) &&
          (attempt.judgement == Judgement::violates || attempt.judgement == Judgement::none || compared.infeasible);
+}
+
+bool denies_solution(const ComparedCase& compared, const Attempt& attempt) {
+  return attempt.claim == "infeasible" && !compared.infeasible && std::isfinite(compared.reference);
+}
+
+bool wrong_claim(const ComparedCase& compared, const Attempt& attempt) {
+  return refuted_solution(compared, attempt) || denies_solution(compared, attempt) || attempt.claim == "unbounded";
 }
 
 bool ComparisonData::worth_repeating(std::size_t c, int start, std::size_t solver) const {

@@ -80,6 +80,10 @@ struct Attempt {
 /// Whether a run claims a solution, and whether recomputation refutes that: it breaks a limit, has no point, or there
 /// is no solution.
 bool claims_solution(const Attempt& attempt);
+bool refuted_solution(const ComparedCase& compared, const Attempt& attempt);
+/// Whether a run claims that there is no solution, though one is known.
+bool denies_solution(const ComparedCase& compared, const Attempt& attempt);
+/// Any of the two, or "unbounded": no cost of these problems is below zero.
 bool wrong_claim(const ComparedCase& compared, const Attempt& attempt);
 
 /// The raw data as read: everything that tables and figures are made from.

@@ -73,7 +73,7 @@ struct Tally {
     ++judged[position(a.judgement)];
     if (c.infeasible && a.success) ++recognised;
     if (c.infeasible && a.claim == "no design") ++none_found;
-    if (comparison::wrong_claim(c, a)) ++refuted;
+    if (comparison::refuted_solution(c, a)) ++refuted;
     if (a.success && !c.infeasible) {
       times.push_back(a.time.median);
       accuracy_times.push_back(a.accuracy_cost);

@@ -46,11 +46,19 @@ std::string in_small(std::string text) {
 
 /// The claim in a line of a solver's words, if there is one.
 std::optional<Claim> claim_in(const std::string& line) {
-  constexpr std::pair<const char*, Claim> words[] = {
-      {"unbounded", Claim::unbounded},      {"time limit", Claim::time_limit},  {"stopped on time", Claim::time_limit},
-      {"non-optimal", Claim::time_limit},   {"sub-optimal", Claim::time_limit}, {"suboptimal", Claim::time_limit},
-      {"infeasible", Claim::infeasible},    {"no feasible", Claim::infeasible}, {"integer empty", Claim::infeasible},
-      {"integer undefined", Claim::failed}, {"optimal", Claim::solved}};
+  constexpr std::pair<const char*, Claim> words[] = {{"infeasible or unbounded", Claim::infeasible},
+                                                     {"unbounded or infeasible", Claim::infeasible},
+                                                     {"unbounded", Claim::unbounded},
+                                                     {"time limit", Claim::time_limit},
+                                                     {"stopped on time", Claim::time_limit},
+                                                     {"non-optimal", Claim::time_limit},
+                                                     {"sub-optimal", Claim::time_limit},
+                                                     {"suboptimal", Claim::time_limit},
+                                                     {"infeasible", Claim::infeasible},
+                                                     {"no feasible", Claim::infeasible},
+                                                     {"integer empty", Claim::infeasible},
+                                                     {"integer undefined", Claim::failed},
+                                                     {"optimal", Claim::solved}};
   for (const auto& [word, claim] : words) {
     if (line.find(word) != std::string::npos) return claim;
   }

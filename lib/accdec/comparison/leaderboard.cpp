@@ -30,14 +30,14 @@ struct Standing {
   void add(const ComparedCase& c, const Attempt& a) {
     if (!a.accepted) ++refused;
     if (comparison::lost(a.claim) || a.claim == "time limit") ++stopped;
-    if (comparison::claims_solution(a)) ++claims;
+    if (comparison::claims_solution(a) || a.claim == "infeasible" || a.claim == "unbounded") ++claims;
     if (comparison::wrong_claim(c, a)) ++wrong;
     if (c.infeasible) {
       ++infeasible.of;
       infeasible.reached += a.success ? 1 : 0;
       return;
     }
-    if (a.claim == "infeasible" && std::isfinite(c.reference)) ++denied;
+    if (comparison::denies_solution(c, a)) ++denied;
     if (c.proof != "proved") return;
     for (Share* share : {&all, &by_difficulty[comparison::difficulty_of(c)]}) {
       ++share->of;
