@@ -77,8 +77,8 @@ TEST(DesignNlp, ContourIsNoLongerThanTheBestTrapezoid) {
       task.corners[0].contour_max = 25e-6;
       const DesignResult result = design_nlp(task);
       ASSERT_EQ(result.status, Status::feasible) << result.message;
-      int best = 1 << 20;
-      for (int order = 15; order <= 60; order += 1) {
+      int best = total(result) + 1;  // longer ones say nothing
+      for (int order = 15; order < best; order += 2) {
         for (int ramp = 0; ramp <= order / 2; ramp += 3) {
           const Filter filter = trapezoid(order, ramp);
           for (int d = 0; order + d < best && d <= order + 1; ++d) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -151,35 +152,45 @@ INSTANTIATE_TEST_SUITE_P(All, RoundRuns,
                                            Helix{3e-3, 5e-3, 2.0}));
 
 // 1.355 s is the optimum on the circle without a jerk limit.
-TEST(AlongArcs, TwoTurnsTakeLittleLongerThanWithoutAJerkLimit) {
+void expect_two_short_turns(bool free) {
   const Helix two{10e-3, 0.0, 2.0};
   const Task task = arc_task(50.0);
-  for (const bool free : {false, true}) {
-    for (const bool compensate : {false, true}) {
-      const ProgramResult result = arc_plan(two.program(), task, free, compensate);
-      expect_verified(result, task);
-      EXPECT_LE(result.cycle_time, 1.5);
-      EXPECT_GE(result.cycle_time, 1.355);
-      EXPECT_EQ(result.compensation.empty(), !(free && compensate));
-      double farthest = 0.0;
-      Motion motion(result.plan, T);
-      for (Sample sample; motion.next(sample);)
-        farthest = std::max(farthest, std::abs(std::hypot(sample.position[0] + 10e-3, sample.position[1]) - 10e-3));
-      EXPECT_LE(farthest, 2e-6);
-    }
+  for (const bool compensate : {false, true}) {
+    const ProgramResult result = arc_plan(two.program(), task, free, compensate);
+    expect_verified(result, task);
+    EXPECT_LE(result.cycle_time, 1.5);
+    EXPECT_GE(result.cycle_time, 1.355);
+    EXPECT_EQ(result.compensation.empty(), !(free && compensate));
+    double farthest = 0.0;
+    Motion motion(result.plan, T);
+    for (Sample sample; motion.next(sample);)
+      farthest = std::max(farthest, std::abs(std::hypot(sample.position[0] + 10e-3, sample.position[1]) - 10e-3));
+    EXPECT_LE(farthest, 2e-6);
   }
 }
 
+TEST(AlongArcs, TwoTurnsTakeLittleLongerThanWithoutAJerkLimit) {
+  expect_two_short_turns(false);
+}
+TEST(FreeAlongArcs, TwoTurnsTakeLittleLongerThanWithoutAJerkLimit) {
+  expect_two_short_turns(true);
+}
+
 // Without stops every piece would begin and end at rest.
+const std::array meeting_lines = {
+    "G21 G90 G64 P0.02 F6000\nG1 X30\nG61.1\nG3 X30 Y20 J10\nG4 P0.05\nG1 X0\nG3 X0 Y0 J-10\nG64 P0.02\nG2 X5 Y5 "
+    "R5\nM2\n",
+    "G21 G90 G61 F6000\nG1 X30\nG3 X30 Y20 J10\nG1 X0\nG3 X0 Y0 J-10\nM2\n"};
+
 TEST(AlongArcs, MeetingLinesAndStopsHold) {
-  const char* const track = "G1 X30\nG3 X30 Y20 J10\nG1 X0\nG3 X0 Y0 J-10\nM2\n";
-  const char* const stopping =
-      "G1 X30\nG61.1\nG3 X30 Y20 J10\nG4 P0.05\nG1 X0\nG3 X0 Y0 J-10\nG64 P0.02\nG2 X5 Y5 R5\nM2\n";
   const Task task = arc_task(50.0);
-  for (const auto& [mode, rest] : {std::pair("G64 P0.02", stopping), std::pair("G61", track)}) {
-    const std::string program = fmt::format("G21 G90 {} F6000\n{}", mode, rest);
+  for (const char* const program : meeting_lines) expect_verified(arc_plan(program, task, false, false), task);
+}
+
+TEST(FreeAlongArcs, MeetingLinesAndStopsHold) {
+  const Task task = arc_task(50.0);
+  for (const char* const program : meeting_lines) {
     const ProgramResult fastest = arc_plan(program, task, false, false), free = arc_plan(program, task, true, false);
-    expect_verified(fastest, task);
     expect_verified(free, task);
     EXPECT_LE(free.cycle_time, fastest.cycle_time + 1e-9) << program;
   }

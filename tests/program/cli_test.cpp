@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 TEST_F(ProgramCommand, PlansEveryGeneratedProgramAndHoldsEveryBound) {
   for (const char* kind : {"pocket", "zigzag", "trochoid", "engraving", "raster", "star"}) {
-    ASSERT_EQ(run(std::string("generate ") + kind + " --blocks 300 --out part.ngc").code, 0);
+    ASSERT_EQ(run(std::string("generate ") + kind + " --blocks 150 --out part.ngc").code, 0);
     const Output done = run(
         "program part.ngc --task task.toml --json r.json --delays d.csv --samples s.csv --emit e.ngc --figure f.svg");
     EXPECT_EQ(done.code, 0) << kind << done.out << done.err;
