@@ -46,7 +46,7 @@ def _design(result, problem):
     known = problem.given_filter or problem.order_min <= len(taps) - 1 <= problem.order_max
     refuse_if(not known, "the order of the result is outside the task's")
     # A corner at a part of the feed loses the rest for as long as both its steps take.
-    lost = [2 * (len(taps) + len(problem.response)) * (1 - number(c.get("feed_part", 1))) for c in result["corners"]]
+    lost = [2 * (len(taps) + len(problem.response.lo)) * (1 - number(c.get("feed_part", 1))) for c in result["corners"]]
     cost = problem.filter_cost * len(taps) + sum(c.weight * (d + x) for c, d, x in zip(problem.corners, found, lost))
     recorded = result["cycle_time_s" if problem.objective == "cycle" else "corner_time_s"]
     wrong = abs(number(recorded) / problem.period - cost) > cost * ROUNDING
@@ -73,8 +73,9 @@ def _target(result, problem, bound, proved):
 
 def _enumeration(result, problem, _):
     refuse_if(not problem.given_filter, "the certificate is about a given filter, the task leaves the filter open")
-    if result["status"] != "optimal" or any("feed_part" in c for c in result["corners"]):
-        raise NotCovered("that a given filter has no delays at all, or passes corners at a part of the feed")
+    slow = any("feed_part" in c for c in result["corners"])
+    reason = "that a given filter has no delays at all, or passes corners at a part of the feed"
+    refuse_if(slow or result["status"] != "optimal", reason, NotCovered)
     taps, found, _ = _design(result, problem)
     _target(result, problem, "lower_bound_s", None)
     tried = members.smallest_delays(problem, taps, found)
@@ -82,8 +83,7 @@ def _enumeration(result, problem, _):
 
 
 def _branch_and_bound(result, problem, certificate):
-    if problem.given_filter:
-        raise NotCovered("a proof over all filters for a task that gives one")
+    refuse_if(problem.given_filter, "a proof over all filters for a task that gives one", NotCovered)
     asked = [certificate["objective"], number(certificate.get("tolerance", WIDER - 1))]
     asked += [number(certificate["runs"])] if problem.objective == "cycle" else []
     for got, known, what in zip(asked, (problem.objective, WIDER - 1, problem.runs), ("objective", "limits", "runs")):
@@ -126,12 +126,12 @@ def check(text):
     try:
         result = parse(text)
         refuse_if(result.get("certificate") is None, "there is no certificate")
-        if result["status"] not in ("optimal", "feasible", "infeasible"):
-            raise NotCovered(f"the status {result['status']!r}")
+        known = result["status"] in ("optimal", "feasible", "infeasible")
+        refuse_if(not known, f"the status {result['status']!r}", NotCovered)
         problem, certificate = problems.read(result["task"]), _unpacked(result["certificate"])
         kind, schema = certificate["kind"], certificate.get("schema")
-        if kind not in CHECKS or kind != "enumeration" and schema != "accdec.certificate/1":
-            raise NotCovered(f"a certificate of the kind {kind!r} and schema {schema!r}")
+        known = kind in CHECKS and (kind == "enumeration" or schema == "accdec.certificate/1")
+        refuse_if(not known, f"a certificate of the kind {kind!r} and schema {schema!r}", NotCovered)
         return CHECKS[kind](result, problem, certificate)
     except RecursionError as error:
         raise Refused("it is nested too deeply") from error

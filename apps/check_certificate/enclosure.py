@@ -1,9 +1,11 @@
-"""Enclosures: pairs of rationals of denominator 2^BITS with a number between them, in whole numbers and rounded
+"""Enclosures: numbers, or lists of numbers, each between two rationals of denominator 2^BITS, in whole numbers rounded
 outwards. No floating point takes part. Also why proofs are not accepted, and numbers of a file."""
 from fractions import Fraction
+from itertools import accumulate, repeat
 from math import isqrt
+from operator import add, neg
 
-BITS = 160
+BITS, GUARD = 160, 64
 ONE = 1 << BITS
 
 
@@ -15,9 +17,9 @@ class NotCovered(Refused):
     """The proof may hold, but it is of a kind that this checker does not know."""
 
 
-def refuse_if(condition, reason):
+def refuse_if(condition, reason, kind=Refused):
     if condition:
-        raise Refused(reason)
+        raise kind(reason)
 
 
 def number(x):
@@ -32,8 +34,24 @@ def whole(x, least=-(10**8), most=10**8):
     return x
 
 
+def each(f, *xs):
+    """f of whole numbers; if some of them are lists, of their items beside the single ones."""
+    for x in xs:
+        if type(x) is list:
+            return list(map(f, *(x if type(x) is list else repeat(x) for x in xs)))
+    return f(*xs)
+
+
+def _least(a, b, c, d):
+    return (a * c if a >= 0 and c >= 0 else min(a * c, a * d, b * c, b * d)) >> BITS
+
+
+def _largest(a, b, c, d):
+    return -(-(b * d if a >= 0 and c >= 0 else max(a * c, a * d, b * c, b * d)) >> BITS)
+
+
 class Enclosure:
-    """A number x with lo <= x 2^BITS <= hi. a > b: a is surely above b."""
+    """A number x with lo <= x 2^BITS <= hi, or a list of such. a > b: a is surely above b, somewhere in lists."""
 
     __slots__ = ("lo", "hi")
 
@@ -42,55 +60,67 @@ class Enclosure:
 
     def __add__(self, other):
         other = exact(other)
-        return Enclosure(self.lo + other.lo, self.hi + other.hi)
+        return Enclosure(each(add, self.lo, other.lo), each(add, self.hi, other.hi))
 
     __radd__ = __add__
 
     def __neg__(self):
-        return Enclosure(-self.hi, -self.lo)
+        return Enclosure(each(neg, self.hi), each(neg, self.lo))
 
     def __sub__(self, other):
-        other = exact(other)
-        return Enclosure(self.lo - other.hi, self.hi - other.lo)
+        return self + -exact(other)
 
     def __rsub__(self, other):
-        return exact(other) - self
+        return -self + other
 
     def __mul__(self, other):
-        other = exact(other)
-        if self.lo >= 0 and other.lo >= 0:
-            return Enclosure(self.lo * other.lo >> BITS, -(-self.hi * other.hi >> BITS))
-        ends = (self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi)
-        return Enclosure(min(ends) >> BITS, -(-max(ends) >> BITS))
+        ends = self.lo, self.hi, (other := exact(other)).lo, other.hi
+        return Enclosure(each(_least, *ends), each(_largest, *ends))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other):
-        """By what is above zero."""
+        """By one number, which is above zero."""
         other = exact(other)
         refuse_if(other.lo <= 0, "something is divided by what may be zero")
-        low = (self.lo << BITS) // (other.hi if self.lo >= 0 else other.lo)
-        return Enclosure(low, -((-self.hi << BITS) // (other.lo if self.hi >= 0 else other.hi)))
+        return self * Enclosure(ONE * ONE // other.hi, -(-ONE * ONE // other.lo))
 
     def __rtruediv__(self, other):
         return exact(other) / self
 
+    def __abs__(self):
+        return Enclosure(each(lambda a, b: max(a, -b, 0), self.lo, self.hi),
+                         each(lambda a, b: max(-a, b), self.lo, self.hi))
+
     def __gt__(self, other):
-        return self.lo > exact(other).hi
+        above = each(int.__gt__, self.lo, exact(other).hi)
+        return any(above) if type(above) is list else above
 
     def __lt__(self, other):
-        return self.hi < exact(other).lo
+        return exact(other) > self
 
-    def __abs__(self):
-        return self if self.lo >= 0 else -self if self.hi <= 0 else Enclosure(0, max(-self.lo, self.hi))
+    def __getitem__(self, at):
+        return Enclosure(self.lo[at], self.hi[at])
+
+    def then(self, other):
+        return Enclosure(self.lo + other.lo, self.hi + other.hi)
+
+    def sums(self):
+        """Of the first items, from none on."""
+        return Enclosure(*([*accumulate(end, initial=0)] for end in (self.lo, self.hi)))
+
+    def total(self):
+        return Enclosure(sum(self.lo), sum(self.hi))
 
 
 def exact(x):
-    """Of a rational number, or of what is enclosed already."""
-    if x.__class__ is Enclosure:
+    """Of a rational number, or of what is enclosed already, or of a list of both."""
+    if type(x) is Enclosure:
         return x
-    if x.__class__ is int:
+    if type(x) is int:
         return Enclosure(x << BITS)
+    if type(x) is list:
+        return Enclosure([exact(y).lo for y in x], [exact(y).hi for y in x])
     x = Fraction(x)
     return Enclosure((x.numerator << BITS) // x.denominator, -((-x.numerator << BITS) // x.denominator))
 
@@ -100,46 +130,39 @@ def square_root(x):
     return Enclosure(isqrt(max(x.lo, 0) << BITS), isqrt(max(x.hi, 0) << BITS) + 1)
 
 
-def exponential(x):
-    """Of a number not above zero. A series of falling terms with changing signs, then squared."""
-    x = exact(x)
-    refuse_if(x.hi > 0, "an exponent is above zero")
-    halved = max(0, (-x.lo).bit_length() - BITS)
-    term = value = exact(1)
-    for k in range(1, 60):
-        term = term * -x / (k << halved)
-        value = value - term if k % 2 else value + term
-    value += Enclosure(-term.hi, term.hi)
+def turned(fall, angle):
+    """Real and imaginary part of exp(-fall + i angle), fall >= 0. The series of a part of it, then squared. Neither
+    changes by more than its argument; rounding stays far below the last unit, as GUARD bits more are kept."""
+    fall, angle = exact(fall), exact(angle)
+    refuse_if(fall.lo < 0, "an exponent is above zero")
+    halved = max(0, max(fall.lo, abs(angle.lo)).bit_length() - BITS + 2)
+    refuse_if(halved > GUARD // 2, "an angle or an exponent is too large")
+    unit = BITS + GUARD
+    x, y = ((z << GUARD) >> halved for z in (-fall.lo, angle.lo))
+    a, b, real, imaginary = 1 << unit, 0, 1 << unit, 0
+    for k in range(1, 50):
+        a, b = (a * x - b * y >> unit) // k, (a * y + b * x >> unit) // k
+        real, imaginary = real + a, imaginary + b
     for _ in range(halved):
-        value *= value
-    return value
+        real, imaginary = real * real - imaginary * imaginary >> unit, 2 * real * imaginary >> unit
+    reach = fall.hi - fall.lo + angle.hi - angle.lo + 2
+    return tuple(Enclosure(max((z >> GUARD) - reach, -ONE), min((z >> GUARD) + reach, ONE)) for z in (real, imaginary))
+
+
+def exponential(x):
+    """Of a number not above zero."""
+    value, _ = turned(-exact(x), 0)
+    return Enclosure(max(value.lo, 0), value.hi)
 
 
 DIGITS = 3141592653589793238462643383279502884197169399375105820974944  # of pi
 PI = Enclosure(DIGITS * ONE // 10**60, (DIGITS + 1) * ONE // 10**60 + 1)
-SERIES = 1 << 12  # units: the series below have at most 60 terms, none above 7, each rounded by at most two units
-
-
-def cos_sin(angle):
-    """Cosine and sine of an angle, rad."""
-    angle = exact(angle)
-    turns = (angle.lo + PI.lo) // (2 * PI.lo)
-    angle -= PI * (2 * turns)
-    middle = (angle.lo + angle.hi) // 2
-    refuse_if(abs(middle) > 33 * ONE // 10, "an angle is too large")
-    term, k, cosine, sine = ONE, 0, 0, 0
-    while abs(term) > 1:  # of the cosine; times x/(k + 1) that of the sine
-        cosine, sine = cosine + term, sine + (term * middle >> BITS) // (k + 1)
-        k += 2
-        term = -((term * middle >> BITS) * middle >> BITS) // (k * (k - 1))
-    reach = angle.hi - angle.lo + SERIES  # neither is steeper than 1
-    return tuple(Enclosure(max(s - reach, -ONE), min(s + reach, ONE)) for s in (cosine, sine))
 
 
 def cos_sin_degrees(degrees):
-    """The same of a rational number of degrees, exact at quarter turns."""
+    """Of a rational number of degrees, exact at quarter turns."""
     degrees = Fraction(degrees) % 360
     if degrees % 90 == 0:
         quarter = int(degrees // 90)
         return exact((1, 0, -1, 0)[quarter]), exact((0, 1, 0, -1)[quarter])
-    return cos_sin(exact(degrees) * PI / 180)
+    return turned(0, exact(degrees) * PI / 180)

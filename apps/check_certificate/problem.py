@@ -5,22 +5,35 @@ from copy import copy
 from fractions import Fraction
 from types import SimpleNamespace
 
-from enclosure import (BITS, ONE, Enclosure, NotCovered, Refused, cos_sin_degrees, exact, exponential, number,
-                       refuse_if, square_root, whole)
+from enclosure import (BITS, ONE, Enclosure, NotCovered, cos_sin_degrees, exact, exponential, number, refuse_if,
+                       square_root, whole)
 
 WIDER = 1 + Fraction(2, 10**9)  # limits are wider than written by this factor
 FLOOR = Fraction(1, 10**12)  # m, and of residuals: less cannot be told from nothing
 STILL = Fraction(1, 10**9)  # part of the feed below which an axis stands: no dry friction is against it
 ROUNDING = Fraction(1, 10**9)  # of times: shorter by less is not shorter
 REST, LONGEST = Fraction(1, 10**12), 50000  # a servo's response ends where less is left; its most taps
-# Keys of a task file and their factors to SI.
+# Limits of an axis: keys of a task file and their factors to SI.
 LIMITS = {
     "velocity": ("velocity_max_mm_s", 1000), "acceleration": ("acceleration_max_mm_s2", 1000),
     "jerk": ("jerk_max_mm_s3", 1000), "force": ("force_max_N", 1),
     "power": ("power_max_W", 1), "regeneration": ("regeneration_max_W", 1),
 }
 LOADS, SERVO = ("mass_kg", "damping_N_s_m", "coulomb_N"), ("servo_gain_1_s", "velocity_feedforward", "response_taps")
-AXIS_KEYS = {key for key, _ in LIMITS.values()} | {*LOADS, *SERVO, "name", "force_speed_N"}
+# Keys of each table. Those that this checker does not read change no limit of the motion, or only narrow it.
+KEYS = {
+    "task": "title sample_period_ms filter baseline design controller machine axis corner mode program",
+    "axis": " ".join([*(key for key, _ in LIMITS.values()), *LOADS, *SERVO, "name force_speed_N"]),
+    "corner": "name angle_deg heading_deg turn direction_in direction_out feed_in_mm_min feed_out_mm_min error_max_um "
+              "contour_max_um speed_min_mm_s delay_samples weight",
+    "mode": "frequency_Hz damping_ratio residual_max axis residual_max_um",
+    "machine": "power_total_max_W regeneration_total_max_W",
+    "controller": "name file title parameters parameter_units parameter_unit_ms prefilter_taps position_unit_um delays "
+                  "in_position_of in_position_latency_ms corner_feed_step",
+    "design": "order_min order_max symmetric objective runs coefficient_bits family stages shaper length_step_ms "
+              "length_max_ms length_set_ms length_set_2_ms length_set_3_ms time_constant_step_ms "
+              "alpha_step cutoff_step_Hz shaper_frequency_step_Hz",
+}
 
 # limits: those given, by kind; lines: |F| + slope |v| <= bound; own: its number if no other may stand for it
 Axis = namedtuple("Axis", "mass damping coulomb limits lines last_speed own", defaults=((), None, None))
@@ -28,9 +41,16 @@ Axis = namedtuple("Axis", "mass damping coulomb limits lines last_speed own", de
 Mode = namedtuple("Mode", "low high residual least_damping most_damping axis displacement", defaults=(0, 0, None, None))
 
 
+def _tables(task, name):
+    """All tables of a name, whose keys are known."""
+    tables = [task] if name == "task" else task.get(name, [])
+    for table in tables if isinstance(tables, list) else [tables]:
+        unknown = sorted(set(table) - set(KEYS[name].split()))
+        refuse_if(unknown, f"a table `{name}` with the keys {unknown}", NotCovered)
+    return tables
+
+
 def _axis(table, period, fastest, own):
-    if set(table) - AXIS_KEYS:
-        raise NotCovered(f"an axis with the keys {sorted(set(table) - AXIS_KEYS)}")
     limits = {kind: number(table[key]) / si * WIDER for kind, (key, si) in LIMITS.items() if key in table}
     mass, damping, coulomb = (number(table.get(key, 0)) for key in LOADS)
     refuse_if(min(mass, damping, coulomb) < 0, "an axis has a negative load")
@@ -54,15 +74,14 @@ def _axis(table, period, fastest, own):
 def _taps(numbers):
     taps = [number(tap) for tap in numbers]
     refuse_if(not taps or min(taps) < 0 or abs(sum(taps) - 1) > FLOOR * 10**6, "a response has a wrong tap")
-    return [exact(tap / sum(taps)) for tap in taps]
+    return exact([tap / sum(taps) for tap in taps])
 
 
 def _servo(tables, period):
     """Taps of the servo that all axes have; [1] without one. A position control of gain Kv leaves c a^k of a step after
     k samples, c = (1 - g)(1 - a)/(Kv T), a = exp(-Kv T)."""
     servos = [[table.get(key) for key in SERVO] for table in tables]
-    if any(servo != servos[0] for servo in servos):
-        raise NotCovered("axes that respond differently")
+    refuse_if(any(servo != servos[0] for servo in servos), "axes that respond differently", NotCovered)
     gain, fed, taps = servos[0]
     if taps is not None or gain is None:
         return _taps([1] if taps is None else taps)
@@ -75,17 +94,22 @@ def _servo(tables, period):
         refuse_if(len(taps) > LONGEST, "a servo's response does not end")
         taps.append(missing - missing * left_by_each)
         missing *= left_by_each
-    return taps[:-1] + [taps[-1] + missing]
+    return exact(taps[:-1] + [taps[-1] + missing])
 
 
 def convolved(a, b):
-    """Taps in series, none negative."""
-    low, high = [0] * (len(a) + len(b) - 1), [0] * (len(a) + len(b) - 1)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            low[i + j] += x.lo * y.lo
-            high[i + j] += x.hi * y.hi
-    return [Enclosure(max(0, x >> BITS), -(-y >> BITS)) for x, y in zip(low, high)]
+    """Taps in series, none negative: digits of the product of two whole numbers."""
+    if b.lo == b.hi == [ONE]:
+        return a
+    size, count = BITS // 4 + 8, len(a.lo) + len(b.lo) - 1
+
+    def product(*factors):
+        packed = (b"".join(max(tap, 0).to_bytes(size, "little") for tap in taps) for taps in factors)
+        x, y = (int.from_bytes(digits, "little") for digits in packed)
+        digits = (x * y).to_bytes(size * (count + 1), "little")
+        return [int.from_bytes(digits[size * i:size * i + size], "little") for i in range(count)]
+
+    return Enclosure([x >> BITS for x in product(a.lo, b.lo)], [-(-x >> BITS) for x in product(a.hi, b.hi)])
 
 
 def _directions(table, axes):
@@ -94,8 +118,7 @@ def _directions(table, axes):
         legs = []
         for key in ("direction_in", "direction_out"):
             vector = [exact(number(x)) for x in table[key]]
-            length = square_root(sum(x * x for x in vector))
-            legs.append([x / length for x in vector])
+            legs.append([x / square_root(sum(x * x for x in vector)) for x in vector])
         refuse_if({len(leg) for leg in legs} != {axes}, "a corner has another number of axes than the machine")
         cosine = -sum(a * b for a, b in zip(*legs))
         return *legs, cosine, square_root((1 - cosine) * (1 + cosine))
@@ -124,8 +147,6 @@ def _corner(table, axes):
 
 
 def _mode(table, names):
-    if "frequency_spread" in table:
-        raise NotCovered("a spread of frequencies that is not written as a band")
     (low, high), (least, most) = ([number(x) for x in (end if isinstance(end, list) else [end, end])]
                                   for end in (table["frequency_Hz"], table.get("damping_ratio", 0)))
     refuse_if(not 0 <= least <= most < 1, "a damping ratio is out of range")
@@ -138,48 +159,39 @@ def _mode(table, names):
 
 def read(task):
     """From the member `task` of a result file."""
-    design, period, tables = task.get("design", {}), number(task["sample_period_ms"]) / 1000, task["axis"]
-    corners = [_corner(table, len(tables)) for table in task["corner"]]
-    modes = [_mode(table, [axis.get("name") for axis in tables]) for table in task.get("mode", [])]
+    tables = {name: _tables(task, name) for name in KEYS}
+    design, control, machine = (tables[name] or {} for name in ("design", "controller", "machine"))
+    period, axes = number(task["sample_period_ms"]) / 1000, tables["axis"]
+    corners = [_corner(table, len(axes)) for table in tables["corner"]]
+    modes = [_mode(table, [axis.get("name") for axis in axes]) for table in tables["mode"]]
     fastest = max((max(c.feed_in, c.feed_out) for c in corners), default=0)
     problem = SimpleNamespace(
-        period=period, corners=corners, modes=modes, given_filter="filter" in task,
+        period=period, fastest=fastest, corners=corners, modes=modes, given_filter="filter" in task,
         axes=[_axis(table, period, fastest, a if any(m.axis == a for m in modes) else None)
-              for a, table in enumerate(tables)],
-        supply={kind: number(task["machine"][f"{kind}_total_max_W"]) * WIDER for kind in ("power", "regeneration")
-                if f"{kind}_total_max_W" in task.get("machine", {})},
-        smoothing=_taps(task.get("controller", {}).get("prefilter_taps", [1])), servo=_servo(tables, period),
+              for a, table in enumerate(axes)],
+        supply={kind: number(machine[f"{kind}_total_max_W"]) * WIDER for kind in ("power", "regeneration")
+                if f"{kind}_total_max_W" in machine},
+        smoothing=_taps(control.get("prefilter_taps", [1])), servo=_servo(axes, period),
         order_min=max(whole(design.get("order_min", 1)), 0), order_max=whole(design.get("order_max", 400)),
         symmetric=design.get("symmetric", False) is True,
         objective=design.get("objective", "cycle"), runs=number(design.get("runs", 1)),
     )
     refuse_if(min(period, problem.runs, fastest) <= 0, "the task has no corner, or no period or runs above zero")
-    if problem.objective not in ("cycle", "corner"):
-        raise NotCovered(f"the objective {problem.objective!r}")
+    refuse_if(problem.objective not in ("cycle", "corner"), f"the objective {problem.objective!r}", NotCovered)
     problem.response = convolved(problem.smoothing, problem.servo)
     # In samples, of each of the N + 1 taps; each sample of a delay costs its corner's weight.
     problem.filter_cost = problem.runs if problem.objective == "cycle" else sum(c.weight for c in corners)
     return problem
 
 
-def _close(a, b):
-    """Not below zero, and different by no more than a part in 10^12."""
-    return max(a.hi - b.lo, b.hi - a.lo) <= max(min(a.lo, b.lo), 0) // 10**12 + (1 << 24)
+def _question(axes, corner):
+    """What a corner asks of a filter, to 13 digits: axes can be exchanged and turned round."""
+    def told(x):
+        return f"{x.lo / ONE:.12e}"
 
-
-def _same_question(axes, a, b):
-    """Whether the axes of one corner can be exchanged and turned round so that it is the other."""
-    told, other = ((c.error, c.contour, c.speed_min, c.delay, c.feed_in, c.feed_out) for c in (a, b))
-    if told != other or not (_close(1 + a.cosine, 1 + b.cosine) and _close(1 - a.cosine, 1 - b.cosine)):
-        return False
-    asked, left = ([(axis, x * y < 0, abs(x), abs(y)) for axis, x, y in zip(axes, c.part_in, c.part_out)]
-                   for c in (a, b))
-    for axis in asked:
-        same = next((o for o in left if o[:2] == axis[:2] and all(map(_close, o[2:], axis[2:]))), None)
-        if same is None:
-            return False
-        left.remove(same)
-    return True
+    moves = [(axis, x * y < 0, told(abs(x)), told(abs(y))) for axis, x, y in zip(axes, corner.part_in, corner.part_out)]
+    return (corner.error, corner.contour, corner.speed_min, corner.delay, corner.feed_in, corner.feed_out,
+            told(1 + corner.cosine), told(1 - corner.cosine), sorted(moves, key=str))
 
 
 def merge(problem, corner_of):
@@ -189,9 +201,9 @@ def merge(problem, corner_of):
     for corner, kind in zip(problem.corners, corner_of):
         if whole(kind, 0, len(merged)) == len(merged):
             merged.append(copy(corner))
-        elif _same_question(problem.axes, merged[kind], corner):
-            merged[kind].weight += corner.weight
-        else:
-            raise Refused(f"corners {merged[kind].name} and {corner.name} are taken for one, but are not")
+            continue
+        same = _question(problem.axes, merged[kind]) == _question(problem.axes, corner)
+        refuse_if(not same, f"corners {merged[kind].name} and {corner.name} are taken for one, but are not")
+        merged[kind].weight += corner.weight
     problem.corners = merged
     return problem

@@ -1,16 +1,26 @@
 """Limits of a task as rows `terms <= bound`, from the names a certificate gives them. A row holds for every design in
 the part of the search that it is asked for; README.md of lib/accdec/certificate has the formulas."""
+from functools import lru_cache
 from math import floor
 
-from enclosure import (BITS, ONE, PI, Enclosure, NotCovered, Refused, cos_sin, exact, exponential, number, refuse_if,
-                       square_root, whole)
+from enclosure import (ONE, PI, Enclosure, NotCovered, Refused, exact, exponential, number, refuse_if,
+                       square_root, turned, whole)
 from tube import Plant, tube
-
-TAPS, WAYS, DELAYS, SAMPLES = range(4)
 
 
 class Empty(Exception):
     """No filter is in a part of the search."""
+
+
+@lru_cache(None)
+def turns(cycles, damping, order):
+    """exp(-z w n) cos(w_d n), and with the sine, at n = 0 .. order, for 2 pi w cycles a sample."""
+    natural, cosine, sine = PI * (2 * cycles), exact([1]), exact([0])
+    damped = natural * square_root(exact(1 - damping * damping)) if damping else natural
+    while (n := len(cosine.lo)) <= order:
+        c, s = turned(natural * damping * n, damped * n)
+        cosine, sine = cosine.then(cosine * c - sine * s), sine.then(sine * c + cosine * s)
+    return natural, damped, cosine[:order + 1], sine[:order + 1]
 
 
 class Limits:
@@ -18,7 +28,7 @@ class Limits:
 
     def __init__(self, problem):
         self.problem, self.plants, self.ends = problem, [], []
-        self.smooths, self.longer = len(problem.smoothing) > 1, len(problem.response) - 1  # motions are so much longer
+        self.smooths, self.longer = len(problem.smoothing.lo) > 1, len(problem.response.lo) - 1  # motions are so longer
         self.tap_max = self.ramp_max = ONE  # at least what any tap, any difference of two may be, times ONE
         for a, axis in enumerate(problem.axes):
             legs = [(c.speed_in[a], c.speed_out[a]) for c in problem.corners]
@@ -51,8 +61,8 @@ class Limits:
         """The row that an entry names, without its multiplier. @raise Empty if no filter is in the part"""
         name = entry[0]
         kind, named, *options = KINDS.get(name) if isinstance(name, str) and name in KINDS else (None, "")
-        if kind is None or self.longer and name not in (BEHIND_SMOOTHING if self.smooths else BEHIND_A_SERVO):
-            raise NotCovered(f"a row of the kind {name!r}" + " behind a response" * (kind is not None))
+        behind = self.longer and name not in (BEHIND_SMOOTHING if self.smooths else BEHIND_A_SERVO)
+        refuse_if(behind or not kind, f"a row of the kind {name!r}" + " behind a response" * bool(kind), NotCovered)
         refuse_if(len(entry) != len(named) + 2, f"a row `{name}` has {len(entry)} entries, not {len(named) + 2}")
         refuse_if(box.window and name in NOT_IN_WINDOWS, f"a row `{name}` says nothing of filters of any order")
         row = Row(self, box)
@@ -70,58 +80,61 @@ class Limits:
         refuse_if(letter == "b" and not isinstance(x, bool), f"{x!r} stands where true or false should")
         return {"b": bool, "k": whole, "s": lambda y: -1 if whole(y) < 0 else 1, "x": number}[letter](x)
 
+    def residual(self, mode, natural, damped, z, j=None, d=0):
+        """The bound of a mode's residual. An axis' amplitude in metres bounds the residual of the filter. Both legs of
+        a blend excite the mode through the same filter, the first one d samples earlier: times
+        |v2 - v1 exp(-(z w + i wd) d)|/wd. A start or stop has one leg. None if nothing excites the mode."""
+        if mode.axis is None:
+            return exact(mode.residual)
+        speed = max(self.ends[mode.axis], key=lambda x: x.lo)
+        if j is not None:
+            corner = self.problem.corners[j]
+            along, across = turned(natural * z * d, damped * d)
+            along = abs(corner.speed_out[mode.axis] - corner.speed_in[mode.axis] * along)
+            across = abs(corner.speed_in[mode.axis] * across)
+            speed = square_root(along * along + across * across)
+        return damped / speed * (mode.displacement / self.problem.period) if speed.lo > 0 else None
+
 
 class Row:
-    """Coefficients of what is never negative, so that lower ends stand for them: of taps, p_k = sum b_i max(i - k, 0),
-    of delays and samples less the least of their ranges. All else is made of p_k: B_k = 1 - p_{k-1} + p_k and
-    q_m = m - p_0 + p_m."""
+    """Least coefficients of what is never negative: of taps b_i, of delays and samples less the least of their ranges.
+    All else is made of taps: B_k = sum_{i<k} b_i, p_k = sum b_i max(i - k, 0), q_m = sum b_i max(m - i, 0)."""
 
     def __init__(self, limits, box):
-        self.limits, self.problem, self.box, self.terms, self.bound = limits, limits.problem, box, [], 0
+        self.limits, self.problem, self.box, self.bound = limits, limits.problem, box, 0
+        self.indices, (self.delays, self.samples) = range(box.order + 1), ([0] * len(box.corners) for _ in range(2))
+        self.taps = [0] * (box.order + 1)
 
-    def term(self, what, at, c):
-        if c.lo or c.hi:
-            self.terms.append((what, at, c.lo))
+    def add(self, c, weights):
+        """c times the sum of taps of these weights, whole numbers not below zero."""
+        self.taps = [tap + c.lo * weight for tap, weight in zip(self.taps, weights)]
 
     def limit(self, c):
         self.bound += exact(c).hi
 
     def tap(self, i, c):
         if 0 <= i <= self.box.order:
-            self.term(TAPS, i, c)
-
-    def way(self, k, c):
-        """c p_k. The first tap of a window stands for those before it, too, and has no part in it."""
-        if k < 0 and self.box.window:  # (1 - k) p_0 + k p_1
-            self.term(WAYS, 1, c * k)
-            c *= 1 - k
-        elif k < 0:  # p_0 - k
-            self.bound += c.lo * k
-        if k < self.box.order:
-            self.term(WAYS, max(k, 0), c)
+            self.taps[i] += c.lo
 
     def left(self, k, c):
         """c (1 - B_k)"""
-        self.way(k - 1, c)
-        self.way(k, -c)
+        self.add(c, (i >= k for i in self.indices))
 
     def response(self, k, c):
-        """c B_k"""
-        if k > 0:
-            self.bound -= c.lo
-            self.left(k, -c)
+        self.add(c, (i < k for i in self.indices))
 
     def to_go(self, k, c):
-        """c p_k behind the response's taps r_j: c sum_j r_j p_{k-j}"""
-        for j, tap in enumerate(self.problem.response):
-            self.way(k - j, c * tap)
+        """c p_k behind the response's taps. The first tap of a window stands for those before it: it has no part."""
+        self._way(c, [[0 if self.box.window and i == 0 else max(i - k + j, 0) for i in self.indices]
+                      for j in range(self.limits.longer + 1)])
 
     def gone(self, m, c):
         """c q_m behind the response's taps"""
-        for n, tap in zip(range(m, 0, -1), self.problem.response):
-            self.way(n, c * tap)
-            self.way(0, -c * tap)
-            self.bound -= (c * tap * n).lo
+        self._way(c, [[max(m - j - i, 0) for i in self.indices] for j in range(self.limits.longer + 1)])
+
+    def _way(self, c, weights):
+        for j, one in enumerate(weights):
+            self.add(c * self.problem.response[j], one)
 
     def inside(self, *taps):
         """The first and the last tap of a window stand for many."""
@@ -132,7 +145,7 @@ class Row:
         """Bounds on B_k. @raise Empty"""
         if self.limits.tube(self.box) is None:
             raise Empty
-        return Enclosure(*self.box.tube.at(k))
+        return Enclosure(*(end[min(max(k, 0), self.box.order + 1)] for end in self.box.tube))
 
     def single_delay(self, j):
         d1, d2, _, _ = self.box.corners[j]
@@ -154,8 +167,7 @@ class Row:
             self.limit(self.responses(k) * sign)
 
     def budget(self):
-        for j, corner in enumerate(self.problem.corners):
-            self.term(DELAYS, j, exact(corner.weight))
+        self.delays = [exact(corner.weight).lo for corner in self.problem.corners]
         self.limit(self.box.budget)
 
     def _legs(self, event, at):
@@ -203,8 +215,7 @@ class Row:
         a, k, sign, into, out, d, (low, high) = self._legs(event, at)
         axis, sign = self.problem.axes[a], sign if event == "blend" else 1
         into, out, bound = into * sign, out * sign, axis.limits[kind]
-        if axis.coulomb > 0:
-            raise NotCovered("a chord of power or regeneration with dry friction")
+        refuse_if(axis.coulomb > 0, "a chord of power or regeneration with dry friction", NotCovered)
         refuse_if(not 0 < low < high, "a chord's ends are not 0 < low < high")
         if not 1 <= k <= self.box.order + 1 + d:
             return
@@ -237,7 +248,7 @@ class Row:
 
         def seen(angle):
             """Parts of both legs' unit vectors along a direction, and to the left of it."""
-            ca, sa = cos_sin(angle)
+            ca, sa = turned(0, angle)
             return ca, corner.sine * sa - corner.cosine * ca, -sa, corner.sine * ca + corner.cosine * sa
 
         # Outside by so little is allowed and paid for; not behind, where a narrow sector has both edges beside it, too.
@@ -249,14 +260,14 @@ class Row:
         refuse_if(d1 != d2 and of_out.lo < 0, "a sector is used for several delays, but does not hold for all")
         # half - n V/v_min <= 0; of several delays the least has the most of leg 2
         self._speed(k, -of_in * (corner.feed_in / corner.speed_min), -of_out * (corner.feed_out / corner.speed_min), d1)
-        self.limit(2 * outside / corner.speed_min - cos_sin((high - low) / 2)[0])
+        self.limit(2 * outside / corner.speed_min - turned(0, (high - low) / 2)[0])
 
     def _seen(self, j, angle, exactly):
         """cos(alpha) v1 p + cos(theta - alpha) v2 q <= eps/T, over the faster feed: coefficients of p and q. Unless p
         and q are known exactly, those below zero are traded for the most they take away: p <= N, and as much more as
         the response's taps are, q <= k - d."""
         corner, (d1, _, _, k2) = self.problem.corners[j], self.box.corners[j]
-        (ca, sa), fastest = cos_sin(angle), max(corner.feed_in, corner.feed_out)
+        (ca, sa), fastest = turned(0, angle), max(corner.feed_in, corner.feed_out)
         self.limit(corner.error / self.problem.period / fastest)
         of_p, of_q = ca * (corner.feed_in / fastest), corner.cosine * ca + corner.sine * sa
         of_q *= corner.feed_out / fastest
@@ -293,53 +304,31 @@ class Row:
         self.to_go(a, of_p)
         self.left(a + a_after, -of_p * z0)
         self.limit(g * (k1 - a - z0))
-        self.term(SAMPLES, j, -g)
         # q_m >= q_b + y B_e, y = m - b, and y B >= y0 B + h (y - y0)
         e = self.responses(b + b_after)
         h, y0 = of_q * Enclosure(e.hi if b_high else e.lo), (k2 - d1 if b_high else k1 - d2) - b
         self.gone(b, of_q)
         self.response(b + b_after, of_q * y0)
         self.limit(-h * (k1 - d1 - b - y0))
-        self.term(SAMPLES, j, h)
-        self.term(DELAYS, j, -h)
-
-    def _residual(self, mode, natural, z, j=None):
-        """The bound of a mode's residual at a natural frequency, rad a sample. An axis' amplitude in metres bounds the
-        residual of the filter. Both legs of a blend excite the mode through the same filter, the first one d samples
-        earlier: times |v2 - v1 exp(-(z w + i wd) d)|/wd. A start or stop has one leg."""
-        refuse_if((mode.axis is None) and j is not None, "a multiplier sees a blend in a mode of the filter")
-        if mode.axis is None:
-            return mode.residual
-        a, damped = mode.axis, natural * square_root(exact(1 - z * z))
-        speed = max(self.limits.ends[a], key=lambda x: x.lo)
-        if j is not None:
-            corner, d = self.problem.corners[j], self.single_delay(j)
-            many = corner.delay is None and d >= self.problem.order_max + 2 + self.limits.longer
-            refuse_if(many, "a multiplier names the phase of a delay that stands for many")
-            left, (cosine, sine) = corner.speed_in[a] * exponential(-natural * z * d), cos_sin(damped * d)
-            along, across = abs(corner.speed_out[a] - left * cosine), abs(left * sine)
-            speed = square_root(along * along + across * across)
-        refuse_if(speed.lo <= 0, "a multiplier names a mode that nothing excites")
-        return damped / speed * (mode.displacement / self.problem.period)
+        self.samples[j], self.delays[j] = (h - g).lo, (-h).lo
 
     def vibration(self, m, *at):
         """What is left at the last tap: tap i has fallen by exp(-z w (N - i)) there."""
         *corner, frequency, z, angle = at if len(at) > 2 else (at[0], 0, at[1])
-        mode, order = self.problem.modes[m], self.box.order
+        mode, order, j = self.problem.modes[m], self.box.order, *corner, *[None] * (not corner)
         refuse_if(not mode.low <= frequency <= mode.high, "a multiplier's frequency is outside its band")
         refuse_if(not mode.least_damping <= z <= mode.most_damping, "a multiplier's damping is outside its range")
-        natural = PI * (2 * frequency * self.problem.period)
-        turn, fall = natural * square_root(exact(1 - z * z)) if z else natural, exponential(-natural * z)
-        phase, turn = cos_sin(turn * order - angle), [x * fall for x in cos_sin(turn)]
-        # Rotations and falls keep the length of an error: each adds that of its own factors and of rounding.
-        (cosine, sine), (c, s) = (x.lo for x in phase), (x.lo for x in turn)
-        error, each = sum(x.hi - x.lo for x in phase), 2 * sum(x.hi - x.lo for x in turn) + 4
-        for i in range(order, -1, -1):
-            end = self.box.window and i in (0, order)  # the taps an end stands for have any phase
-            self.terms.append((TAPS, i, -ONE if end else cosine - error))
-            cosine, sine = cosine * c + sine * s >> BITS, sine * c - cosine * s >> BITS
-            error += each
-        self.limit(self._residual(mode, natural, z, *corner))
+        refuse_if((mode.axis is None) and j is not None, "a multiplier sees a blend in a mode of the filter")
+        d = 0 if j is None else self.single_delay(j)
+        many = d >= self.problem.order_max + 2 + self.limits.longer and self.problem.corners[j].delay is None
+        refuse_if(many, "a multiplier names the phase of a delay that stands for many")
+        natural, damped, cosine, sine = turns(frequency * self.problem.period, z, order)
+        bound, (c, s) = self.limits.residual(mode, natural, damped, z, j, d), turned(0, damped * order - angle)
+        refuse_if(bound is None, "a multiplier names a mode that nothing excites")
+        self.taps = (cosine * c + sine * s).lo[::-1]
+        if self.box.window:  # the taps an end stands for have any phase
+            self.taps[0] = self.taps[-1] = -ONE
+        self.limit(bound)
 
 
 # Name in the file: what makes the row, its entries between name and multiplier, what else the name says.

@@ -97,6 +97,7 @@ class Tree:
         refuse_if(self.at >= len(self.tree), "the tree is cut off: not every part is refuted")
         refuse_if(depth > 1000, "the tree is too deep")
         node, box, self.at = self.tree[self.at], self._reduced(ranges, kind == "window"), self.at + 1
+        pair = isinstance(node, list) and len(node) == 2 and not kind
         if kind == "symmetric":
             box.order, box.symmetric = order, True
         if node is None and not kind:
@@ -112,20 +113,23 @@ class Tree:
         elif node == ["symmetric"] and not kind:
             for n in self._symmetric_orders(box):
                 self._node(ranges, depth + 1, "symmetric", n)
-        elif isinstance(node, list) and len(node) == 2 and type(node[0]) is int and not kind:
+        elif pair and type(node[0]) is int:
             for index, n in zip(node, self._symmetric_orders(box)):
                 box.order, box.symmetric, box.tube = n, True, False
                 self._leaf(index, box)
-        elif isinstance(node, list) and len(node) == 2 and node[0] == "lemma" and not kind:
-            self._by_lemma(node[1], box)
+        elif pair and node[0] == "lemma":
+            lemma = self.lemmas[whole(node[1], 0, self.known - 1)]
+            self.leaves += 1
+            covers = all(box.corners[j][1] <= delay for j, delay in lemma["delays"])
+            refuse_if(not covers or box.order > lemma.get("order", box.order), f"{told(box)} is not in lemma {node[1]}")
         else:
             for half in self._halves(node, ranges, box.order, SPLITS[kind]):
                 self._node(half, depth + 1, kind, order)
 
     def _halves(self, node, ranges, order, kinds):
         kind, at = node[-2:] if isinstance(node, list) and len(node) in (2, 3) else (None, None)
-        if not isinstance(kind, str) or kind not in set(kinds) or (kind == "N") != (len(node) == 2):
-            raise NotCovered(f"a node {node!r}")
+        known = isinstance(kind, str) and kind in set(kinds) and (kind == "N") == (len(node) == 2)
+        refuse_if(not known, f"a node {node!r}", NotCovered)
         key = "N" if kind == "N" else (whole(node[0]), kind)
         if kind == "B":
             refuse_if(not 1 <= key[0] <= order or not 0 <= number(at) <= 1, "no response is split there")
@@ -137,12 +141,6 @@ class Tree:
         refuse_if(not low <= whole(at) < high, "the tree splits outside the part")
         return ranges | {key: (low, at)}, ranges | {key: (at + 1, high)}
 
-    def _by_lemma(self, index, box):
-        lemma = self.lemmas[whole(index, 0, self.known - 1)]
-        self.leaves += 1
-        covers = all(box.corners[j][1] <= delay for j, delay in lemma["delays"])
-        refuse_if(not covers or box.order > lemma.get("order", box.order), f"{told(box)} is not in lemma {index}")
-
     def _symmetric_orders(self, box):
         """A symmetric filter becomes one of the part's order or of one less by zeros at both ends. That order depends
         on the delays alone, so there must be one each."""
@@ -153,30 +151,26 @@ class Tree:
 
     def _leaf(self, index, box):
         """Rows times multipliers >= 0 add up to a sum that is above its bound for all filters of the part."""
-        rows = self.sets[whole(index, 0, len(self.sets) - 1)]
+        rows, bound = self.sets[whole(index, 0, len(self.sets) - 1)], 0
+        taps, delays, samples = [0] * (box.order + 1), *([0] * len(box.corners) for _ in range(2))
         self.leaves += 1
-        sums, bound = [[0] * (box.order + 1) for _ in range(2)] + [[0] * len(box.corners) for _ in range(2)], 0
         factors = [number(row[-1]) for row in rows]
-        refuse_if(min(factors, default=0) < 0, "a multiplier is negative")
+        least, most = min(factors, default=0), max(factors, default=0)
+        refuse_if(least < 0, "a multiplier is negative")
         for entry, y in zip(rows, factors):
             try:
                 row = self.limits.row(entry, box) if y else None
             except Empty:
                 return
-            if row is None or (not row.terms and row.bound >= 0):
+            if row is None or row.bound >= 0 and not any((*row.taps, *row.delays, *row.samples)):
                 continue  # it says nothing of the filter, and holds
-            factor = int(y / max(factors) * 2**64)  # any in this proportion prove
-            for what, at, c in row.terms:
-                sums[what][at] += factor * c
+            factor = int(y / most * 2**64)  # any in this proportion prove
+            taps, delays, samples = ([a + factor * c for a, c in zip(total, more)] for total, more in (
+                (taps, row.taps), (delays, row.delays), (samples, row.samples)))
             bound += factor * row.bound
-        for (d1, d2, k1, k2), of_delay, of_sample in zip(box.corners, *sums[2:]):
+        for (d1, d2, k1, k2), of_delay, of_sample in zip(box.corners, delays, samples):
             bound -= min(of_delay, 0) * (d2 - d1) + min(of_sample, 0) * (k2 - k1)
-        slope = value = 0
-        for k, change in enumerate(sums[1]):  # p_k rises by one a tap from k on
-            value += slope
-            sums[0][k] += value
-            slope += change
-        value = self._minimum(sums[0], box)
+        value = self._minimum(taps, box)
         refuse_if(value is not None and value <= bound * 2 * ONE, f"{told(box)} is not refuted by its multipliers")
 
     def _minimum(self, c, box):

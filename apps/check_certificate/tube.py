@@ -63,21 +63,9 @@ class Plant:
         return max(least)
 
 
-class Tube:
-    """low[k] <= B_k <= high[k]."""
-
-    def __init__(self, low, high):
-        self.low, self.high = low, high
-
-    def at(self, k):
-        """Both bounds of B_k, for any k."""
-        k = min(max(k, 0), len(self.low) - 1)
-        return self.low[k], self.high[k]
-
-
 def tube(plants, tap_max, ramp_max, order, cuts):
-    """None if no filter of this order or less is left. tap_max, ramp_max: of any tap, of any difference of two, times
-    ONE. cuts: bounds of B by sample."""
+    """Lists of the least and the largest B_k; None if no filter of this order or less is left. tap_max, ramp_max: of
+    any tap, of any difference of two, times ONE. cuts: bounds of B by sample."""
     last = order + 1
     low, high, most = [0] * last + [ONE], [0] + [ONE] * last, 0
     for sample, (least, largest) in cuts.items():
@@ -87,7 +75,7 @@ def tube(plants, tap_max, ramp_max, order, cuts):
         most += min(tap_max, ramp_max * k)
         high[k], low[last - k] = min(high[k], most), max(low[last - k], ONE - most)
     for _ in range(SWEEPS):
-        before = low[:], high[:]
+        before = low + high
         for k in range(1, last + 1):
             top = min(high[k], high[k - 1] + tap_max)
             for p in plants:
@@ -102,6 +90,6 @@ def tube(plants, tap_max, ramp_max, order, cuts):
             low[k - 1], high[k - 1] = least, min(high[k - 1], high[k])
             if least > high[k - 1]:
                 return None
-        if all(abs(a - b) < ENOUGH for old, new in zip(before, (low, high)) for a, b in zip(old, new)):
+        if all(abs(a - b) < ENOUGH for a, b in zip(before, low + high)):
             break
-    return Tube(low, high)
+    return low, high

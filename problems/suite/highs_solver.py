@@ -58,14 +58,19 @@ def read(file):
             [int(i in whole) for i in range(n)])
 
 
+def solve(file, seconds):
+    costs, rows, bounds, whole = read(file)
+    return milp(costs, integrality=whole, bounds=bounds, constraints=rows,
+                options={"time_limit": float(seconds), "mip_rel_gap": 0.0})
+
+
 def main():
     file, answer, seconds = sys.argv[1:]
-    costs, rows, bounds, whole = read(file)
-    found = milp(costs, integrality=whole, bounds=bounds, constraints=rows,
-                 options={"time_limit": float(seconds), "mip_rel_gap": 0.0})
+    found = solve(file, seconds)
     claim = {0: "solved", 1: "time limit", 2: "infeasible", 3: "unbounded"}.get(found.status, "failed")
     with open(answer, "w", encoding="ascii") as out:
         print(claim, *([] if found.x is None else map(float, found.x)), sep="\n", file=out)
 
 
-main()
+if __name__ == "__main__":
+    main()

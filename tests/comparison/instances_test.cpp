@@ -18,6 +18,7 @@
 #include "support/command_fixture.hpp"
 
 // Instances are read back by programs that are not ours: cbc, glpsol, csdp, cvxopt, and gjh_asl_json for .nl.
+// HiGHS has no reader in SciPy: it solves what a reader in Python reads.
 
 namespace accdec {
 namespace {
@@ -104,7 +105,7 @@ expected = "infeasible"
 };
 
 // The optimum of an outer approximation by tangents lies below that of the cones, by at most cos(pi/64).
-TEST_F(Instances, LinearProgramsAreReadByTwoProgramsWithTheSameOptimum) {
+TEST_F(Instances, LinearProgramsAreReadBackWithTheSameOptimum) {
   const json manifest = write_all("mps");
   for (const char* problem : {"small corner", "vibration"}) {
     const json entry = find(manifest, problem, "margin");
@@ -113,6 +114,9 @@ TEST_F(Instances, LinearProgramsAreReadByTwoProgramsWithTheSameOptimum) {
     if (!by_cbc || !by_glpk) GTEST_SKIP() << "cbc or glpsol is not installed";
     const double radius = std::stod(*by_cbc), proved = std::sqrt(entry["optimum"]["upper"].get<double>());
     EXPECT_NEAR(std::stod(*by_glpk), radius, 1e-6 * radius) << problem;
+    if (const auto by_highs = read_back("highs", file); by_highs) {
+      EXPECT_NEAR(std::stod(*by_highs), radius, 1e-6 * radius) << problem;
+    }
     EXPECT_LE(radius, proved * (1.0 + 1e-6)) << problem;
     // The tangents also widen the cones of vibration, whose effect on the error has no such bound.
     if (problem == std::string("small corner")) {
@@ -122,6 +126,7 @@ TEST_F(Instances, LinearProgramsAreReadByTwoProgramsWithTheSameOptimum) {
   const std::string empty = "mps/" + find(manifest, "short", "margin")["file"].get<std::string>();
   EXPECT_EQ(read_back("cbc", empty), "infeasible");
   EXPECT_EQ(read_back("glpsol", empty), "infeasible");
+  EXPECT_EQ(read_back("highs", empty).value_or("infeasible"), "infeasible");
   EXPECT_THAT(find(manifest, "power", "margin")["reason"], HasSubstr("is not convex"));
 }
 

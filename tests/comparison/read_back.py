@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Solves instances of `accdec instances` with programs that are not ours: read_back.py TOOL FILE.
 
-TOOL is cbc, glpsol, csdp or cvxopt. Prints the optimum, "infeasible", or "missing" if the tool is not installed.
+TOOL is cbc, glpsol, highs (that of SciPy), csdp or cvxopt. Prints the optimum, "infeasible", or "missing" if the tool is not installed.
 """
+import importlib.util
 import os
 import re
 import shutil
@@ -41,8 +42,13 @@ def csdp(file):
     return f"{primal!r} {dual!r}"
 
 
+def highs(file):
+    import highs_solver
+    found = highs_solver.solve(file, 60)
+    return "infeasible" if found.status == 2 else repr(found.fun)
+
+
 def cvxopt(file):
-    sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "..", "problems", "suite"))
     import cone_solver
     status, objective, _ = cone_solver.solve(file)
     return {"primal infeasible": "infeasible", "optimal": repr(objective)}.get(status, status)
@@ -50,14 +56,11 @@ def cvxopt(file):
 
 def main():
     tool, file = sys.argv[1:]
-    if tool == "cvxopt":
-        try:
-            import cvxopt as _  # noqa: F401
-        except ImportError:
-            return print("missing")
-    elif not shutil.which(tool):
+    sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "..", "problems", "suite"))
+    module = {"cvxopt": "cvxopt", "highs": "scipy"}.get(tool)
+    if not (importlib.util.find_spec(module) if module else shutil.which(tool)):
         return print("missing")
-    print({"cbc": cbc, "glpsol": glpsol, "csdp": csdp, "cvxopt": cvxopt}[tool](file))
+    print({"cbc": cbc, "glpsol": glpsol, "highs": highs, "csdp": csdp, "cvxopt": cvxopt}[tool](file))
 
 
 main()

@@ -3,7 +3,6 @@ from fractions import Fraction
 
 from enclosure import ONE, Enclosure, Refused, exact, square_root
 from filters.members import Filter
-from problem import STILL
 from rows import Limits
 
 CELLS = 400
@@ -13,8 +12,8 @@ def constant_feed(problem):
     """A limit broken before anything moves but at its feed, in words."""
     steady = Filter(problem, Limits(problem), [1])
     for corner in problem.corners:
-        still = exact(max(corner.feed_in, corner.feed_out) * STILL)
-        if any(steady.axes_break([(x, x) for x in leg], 0, still) for leg in (corner.speed_in, corner.speed_out)):
+        fastest = max(corner.feed_in, corner.feed_out)
+        if any(steady.axes_break([(x, x) for x in leg], 0, fastest) for leg in (corner.speed_in, corner.speed_out)):
             return f"corner {corner.name}: a limit of an axis at constant feed"
         if corner.speed_min > min(corner.feed_in, corner.feed_out):
             return f"corner {corner.name}: its smallest speed is above a feed"

@@ -2,10 +2,10 @@
 that cost too much."""
 from fractions import Fraction
 from functools import lru_cache
-from itertools import count
+from itertools import accumulate, count
 from math import ceil, floor, inf
 
-from enclosure import PI, Enclosure, NotCovered, Refused, cos_sin, exact, exponential, number, square_root, whole
+from enclosure import PI, Enclosure, NotCovered, exact, exponential, number, refuse_if, square_root, turned, whole
 from filters.members import Filter, ways_left
 from problem import ROUNDING
 from rows import Limits
@@ -24,12 +24,11 @@ class Members:
     def __iter__(self):
         families = self.design["family"]
         for family in families if isinstance(families, list) else [families]:
-            if family not in LISTS:
-                raise NotCovered(f"the family {family!r}")
-            yield from ((family, taps) for taps in LISTS[family](self) if self.order_min < len(taps) <= self.end)
-
-    def _step(self, key, default):
-        return number(self.design.get(key, default))
+            refuse_if(family not in LISTS, f"the family {family!r}", NotCovered)
+            for taps in LISTS[family](self):
+                taps = exact(taps)
+                if self.order_min < len(taps.lo) <= self.end:
+                    yield family, taps
 
     def _lengths(self, stage):
         """What a stage can be set to, in samples."""
@@ -58,11 +57,9 @@ class Members:
         for length in stages[0]:
             if len(taps) + length - 1 > self.end or (before and before[0] == stages[0] and length > before[1]):
                 break
-            sums, total = [], 0
-            for i in range(len(taps) + length - 1):
-                total += (taps[i] if i < len(taps) else 0) - (taps[i - length] if i >= length else 0)
-                sums.append(total)
-            yield from self._cascades(stages[1:], sums, (stages[0], length))
+            rest = [0] * (length - 1)
+            sums = [0] * length + [*accumulate(taps + rest)]
+            yield from self._cascades(stages[1:], [b - a for a, b in zip(sums, sums[length:])], (stages[0], length))
 
     def shaped(self):
         """Impulses of a shaper behind averages: at whole samples, or at all frequencies of a control that interpolates.
@@ -91,23 +88,19 @@ class Members:
                 taps.append(taps[-1] * each)
             yield taps
 
-    def _grid(self, least, step, most, taps):
+    def _grid(self, key, default, most, taps, least=1):
         """Orders of the first stage's lengths, with all multiples of a step up to most(order)."""
         yield [1]
+        step = number(self.design.get(key, default))
         for order in (length - 1 for length in self._lengths(0) if length > least):
-            end = most(order)
-            for i in range(1, int(end / step * END) + 1):
-                yield taps(order, min(i * step, end))
+            for i in range(1, int(most(order) / step * END) + 1):
+                yield taps(order, min(i * step, most(order)))
 
     def exponentials(self):
         def taps(order, constant):
-            each, found = decay(constant / self.period), [exact(1)]
-            for _ in range(order):
-                found.append(found[-1] * each)
-            return found
+            return [*accumulate([decay(constant / self.period)] * order, lambda a, b: a * b, initial=exact(1))]
 
-        return self._grid(1, self._step("time_constant_step_ms", self.period),
-                          lambda order: (self.order_max + 1) * self.period, taps)
+        return self._grid("time_constant_step_ms", self.period, lambda order: (self.order_max + 1) * self.period, taps)
 
     def gaussians(self):
         def taps(order, alpha):
@@ -121,25 +114,29 @@ class Members:
             while n <= order:
                 found.append(value)
                 value, ratio, n = value * ratio, ratio * power[3], n + 2
-            return found[:0:-1] + found if order % 2 == 0 else found[::-1] + found
+            return mirrored(order, found)
 
-        return self._grid(1, self._step("alpha_step", Fraction(1, 10)), lambda order: Fraction(6), taps)
+        return self._grid("alpha_step", Fraction(1, 10), lambda order: Fraction(6), taps)
 
     def sincs(self):
         def taps(order, cutoff):
-            half, turn, found = Fraction(order, 2), PI * (2 * cutoff * self.period / 1000), []
+            turn, found = PI * (2 * cutoff * self.period / 1000), []
             for n in range(order % 2, order, 2):  # n/2 from the middle; the ends are zero
                 x = turn * Fraction(n, 2)
-                wave = cos_sin(x)[1] / x if n else exact(1)
+                wave = turned(0, x)[1] / x if n else exact(1)
                 found.append(window(n, order) * Enclosure(max(wave.lo, 0), max(wave.hi, 0)))
-            found.append(exact(0))
-            return found[:0:-1] + found if order % 2 == 0 else found[::-1] + found
+            return mirrored(order, [*found, exact(0)])
 
-        return self._grid(2, self._step("cutoff_step_Hz", 1), lambda order: 1000 / (order * self.period), taps)
+        return self._grid("cutoff_step_Hz", 1, lambda order: 1000 / (order * self.period), taps, 2)
 
 
 LISTS = {"averages": Members.averages, "shaper": Members.shaped, "one-pole": Members.poles,
          "exponential": Members.exponentials, "gaussian": Members.gaussians, "windowed-sinc": Members.sincs}
+
+
+def mirrored(order, half):
+    """Symmetric taps, from those of the middle on."""
+    return half[:0:-1] + half if order % 2 == 0 else half[::-1] + half
 
 
 @lru_cache(None)
@@ -150,7 +147,7 @@ def decay(samples):
 @lru_cache(None)
 def window(n, order):
     """Blackman's, n half samples from the middle."""
-    cosine, _ = cos_sin(PI * Fraction(n, order))
+    cosine, _ = turned(0, PI * Fraction(n, order))
     value = cosine / 2 + Fraction(42, 100) + (cosine * cosine * 2 - 1) * Fraction(8, 100)
     return Enclosure(max(value.lo, 0), max(value.hi, 0))
 
@@ -161,11 +158,11 @@ class Ways:
     def __init__(self, problem, controller, member, room):
         self.problem, self.member, self.room = problem, member, room
         self.kinds = set(controller.get("delays") or ["dwell"])
-        if self.kinds - {"continuous", "dwell", "timed-axis", "exact-stop", "in-position", "corner-feed"}:
-            raise NotCovered(f"delays of the kinds {sorted(self.kinds)}")
+        unknown = sorted(self.kinds - {"continuous", "dwell", "timed-axis", "exact-stop", "in-position", "corner-feed"})
+        refuse_if(unknown, f"delays of the kinds {unknown}", NotCovered)
         self.corners, self.any = range(len(problem.corners)), bool({"dwell", "timed-axis"} & self.kinds)
         self.slow = "corner-feed" in self.kinds
-        self.longest = len(member.taps) + len(problem.response)  # longer delays change nothing
+        self.longest = len(member.taps.lo) + len(problem.response.lo)  # longer delays change nothing
         self.step = number(controller.get("corner_feed_step", Fraction(1, 20)))
         self.latency = round(number(controller.get("in_position_latency_ms", 0)) / 1000 / problem.period)
         self.actual = controller.get("in_position_of") == "actual"
@@ -187,7 +184,7 @@ class Ways:
         # One width for all corners: the smaller it is, the longer each delay. Widths that are as good as equal are one.
         ways = ways_left(self.member.moved if self.actual else self.member.gone)
         free = [(j, c.feed_in) for j, c in enumerate(self.problem.corners) if c.delay is None]
-        steps = sorted((x.lo * feed, j) for j, feed in free for x in ways if x.hi)
+        steps = sorted((x * feed, j) for j, feed in free for x, most in zip(ways.lo, ways.hi) if most)
         delays = [self.latency if c.delay is None else inf for c in self.problem.corners]
         while cost(map(min, plain, delays)) < self.room:
             cheap = zip(self.corners, plain, delays)
@@ -211,7 +208,7 @@ class Ways:
         elif self.any:
             delays = range(self.member.nearest(j), self.longest + 1)
         else:
-            taps = [i for i, b in enumerate(self.member.taps) if b.hi]
+            taps = [i for i, b in enumerate(self.member.taps.hi) if b]
             apart = taps[-1] - taps[0]
             delays = [0] * ("continuous" in self.kinds) + [*range(apart, apart + 3)] * ("exact-stop" in self.kinds)
         for d in delays:
@@ -239,10 +236,10 @@ def refute(problem, task, target):
     for family, taps in Members(task, problem.order_min, problem.order_max, end):
         member = Filter(problem, limits, taps)
         if target is not None:
-            room = target - problem.filter_cost * len(taps)
+            room = target - problem.filter_cost * len(taps.lo)
         ways = Ways(problem, task.get("controller", {}), member, room)
         broken = not ways.slow and (member.steep() or ways.far()) or member.starts_or_stops_break() or member.rings()
-        if not broken and not ways.too_dear():
-            raise Refused(f"a member of the family {family} with {len(taps)} taps is not refuted")
+        reason = f"a member of the family {family} with {len(taps.lo)} taps is not refuted"
+        refuse_if(not broken and not ways.too_dear(), reason)
         refuted += 1
     return refuted

@@ -1,13 +1,13 @@
 """Whole filters: the limits that their motions surely break, and what their corners cost at least."""
 from copy import copy
 from functools import cached_property
-from itertools import accumulate, product
-from math import atan2, ceil
-from types import SimpleNamespace
+from itertools import product
+from math import ceil
+from operator import mul
 
-from enclosure import BITS, ONE, Enclosure, Refused, exact, number, refuse_if
+from enclosure import BITS, ONE, Enclosure, each, exact, number, refuse_if
 from problem import STILL, convolved
-from rows import Limits, Row
+from rows import Limits, turns
 
 
 class Filter:
@@ -15,64 +15,43 @@ class Filter:
 
     def __init__(self, problem, limits, taps):
         self.problem, self.limits, self.known = problem, limits, {}
-        total = exact(sum(taps))
-        self.order, self.taps = len(taps) - 1, [b / total for b in map(exact, taps)]
-
-    @cached_property
-    def command(self):
-        return self.taps if len(self.problem.smoothing) == 1 else convolved(self.taps, self.problem.smoothing)
-
-    @cached_property
-    def motion(self):
-        return self.command if len(self.problem.servo) == 1 else convolved(self.command, self.problem.servo)
-
-    @cached_property
-    def gone(self):
-        """B_k of the command."""
-        return [exact(0), *accumulate(self.command)]
+        taps = exact(taps)
+        self.order, self.taps = len(taps.lo) - 1, taps / taps.total()
+        self.command = convolved(self.taps, problem.smoothing)
+        self.gone = self.command.sums()  # B_k of the command
 
     @cached_property
     def moved(self):
         """B_k of the motion."""
-        return self.gone if self.motion is self.command else [exact(0), *accumulate(self.motion)]
+        motion = convolved(self.command, self.problem.servo)
+        return self.gone if motion is self.command else motion.sums()
 
     def steep(self):
         """Whether a tap or a difference of two is surely above what any filter may have. Corners keep their feeds."""
-        steps = zip([exact(0), *self.command], [*self.command, exact(0)])
-        steep = any(abs(b - a).lo > self.limits.ramp_max for a, b in steps)
-        return steep or any(b.lo > self.limits.tap_max for b in self.command)
+        zero = Enclosure([0])
+        steps = self.command.then(zero) - zero.then(self.command)
+        return abs(steps) > Enclosure(self.limits.ramp_max) or self.command > Enclosure(self.limits.tap_max)
 
     def starts_or_stops_break(self):
         corners, zero = self.problem.corners, exact(0)
-        still = exact(max(max(c.feed_in, c.feed_out) for c in corners) * STILL)
         starts, stops = ([Enclosure(max(abs(x).lo for x in axis)) for axis in zip(*legs)]
                          for legs in ((c.speed_in for c in corners), (c.speed_out for c in corners)))
-        events = [(zero, x) for x in starts], [(x, zero) for x in stops]
-        return any(self.axes_break(legs, 0, still) for legs in events)
+        events, fastest = ([(zero, x) for x in starts], [(x, zero) for x in stops]), self.problem.fastest
+        return any(self.axes_break(legs, 0, fastest) for legs in events)
 
     def rings(self, j=None, delay=0):
-        """Whether a mode is surely left with too much; of the corner's blend, if one is given. Each is seen at the
-        phase at which most is left."""
-        corners, order = [(delay, delay, 0, 0)] * len(self.problem.corners), len(self.command) - 1
-        box = SimpleNamespace(order=order, window=False, corners=corners)
-
-        def left(m, *at):
-            row = Row(self.limits, box)
-            row.vibration(m, *([] if j is None else [j]), *at)
-            return sum(c * (self.command[i].lo if c > 0 else self.command[i].hi) for _, i, c in row.terms), row.bound
-
-        for m, mode in enumerate(self.problem.modes):
+        """Whether a mode is surely left with too much; of the corner's blend, if one is given."""
+        order = len(self.command.lo) - 1
+        for mode in self.problem.modes:
             if j is not None and (mode.axis is None or delay > min(self.order, self.problem.order_max)):
                 continue
             parts = ceil(8 * (mode.high - mode.low) * self.problem.period * (order + 1)) + 1
             band = {mode.low + (mode.high - mode.low) * i / parts for i in range(parts + 1)}
             for f, z in product(band, {mode.least_damping, mode.most_damping}):
-                try:
-                    phase = atan2(*(left(m, f, z, angle)[0] for angle in (number(1.5707963267948966), 0)))
-                    most, bound = left(m, f, z, number(phase))
-                except Refused:
-                    continue  # nothing excites it
-                if most > bound * ONE:
+                natural, damped, *waves = turns(f * self.problem.period, z, order)
+                bound = self.limits.residual(mode, natural, damped, z, j, delay)
+                left = [(wave * self.command[::-1]).total() for wave in waves]
+                if bound and sum(x * x for x in map(abs, left)) > bound * bound:
                     return True
         return False
 
@@ -88,15 +67,15 @@ class Filter:
                 slow.feed_in, slow.feed_out = corner.feed_in * part, corner.feed_out * part
                 slow.speed_in, slow.speed_out = ([x * part for x in leg] for leg in (corner.speed_in, corner.speed_out))
                 steps = zip(corner.speed_in, slow.speed_in), zip(slow.speed_out, corner.speed_out)
-                still = exact(max(corner.feed_in, corner.feed_out) * STILL)
-                broken = self._corner_breaks(slow, 0) or any(self.axes_break(legs, 0, still) for legs in steps)
+                fastest = max(corner.feed_in, corner.feed_out)
+                broken = self._corner_breaks(slow, 0) or any(self.axes_break(legs, 0, fastest) for legs in steps)
             self.known[j, delay, part] = broken
         return self.known[j, delay, part]
 
     def nearest(self, j):
         """A delay of a corner below which its error is too large."""
         if j not in self.known:
-            first, last = 0, len(self.motion) + 1
+            first, last = 0, len(self.moved.lo)
             while first < last:
                 middle = (first + last) // 2
                 too_far = self.too_far(self.problem.corners[j], middle, True)
@@ -107,109 +86,94 @@ class Filter:
     def _corner_breaks(self, corner, delay):
         if self.too_far(corner, delay) or self._strays(corner, delay):
             return True
-        still = exact(max(corner.feed_in, corner.feed_out) * STILL)
         if corner.speed_min > 0:
-            speeds = [along(self.moved, *legs, delay) for legs in zip(corner.speed_in, corner.speed_out)]
-            if min(sum(v * v for v in now).hi for now in zip(*speeds)) < exact(corner.speed_min**2).lo:
+            speeds = [abs(along(self.moved, *legs, delay)) for legs in zip(corner.speed_in, corner.speed_out)]
+            if exact(corner.speed_min**2) > sum(v * v for v in speeds):
                 return True
-        return self.axes_break(list(zip(corner.speed_in, corner.speed_out)), delay, still)
+        return self.axes_break(zip(corner.speed_in, corner.speed_out), delay, max(corner.feed_in, corner.feed_out))
 
-    def axes_break(self, legs, delay, still):
-        period, totals = self.problem.period, []
+    def axes_break(self, legs, delay, fastest):
+        period, powers = self.problem.period, exact(0)
         for axis, (into, out) in zip(self.problem.axes, legs):
-            v, bounds = along(self.gone, into, out, delay), axis.limits
-            steps = [y - x for x, y in zip(v, v[1:])]
-            jerks = [y - x for x, y in zip([exact(0), *steps], [*steps, exact(0)])]
+            v, zero = along(self.gone, into, out, delay), Enclosure([0])
+            steps = v[1:] - v[:-1]
+            jerks = steps.then(zero) - zero.then(steps)
             for n, (kind, values) in enumerate((("velocity", v), ("acceleration", steps), ("jerk", jerks))):
-                if kind in bounds and any(abs(x) > bounds[kind] * period**n for x in values):
+                if kind in axis.limits and abs(values) > axis.limits[kind] * period**n:
                     return True
-            if not axis.lines and not self.problem.supply and not {"force", "power", "regeneration"} & set(bounds):
+            if not axis.lines and not self.problem.supply and not {"force", "power", "regeneration"} & set(axis.limits):
                 continue
-            moved, powers = along(self.moved, into, out, delay), []
-            for before, now in zip(moved, [*moved[1:], moved[-1]]):
-                force = with_friction(axis, (now - before) * (axis.mass / period) + now * axis.damping, now, still)
-                values = {"force": abs(force), "power": force * now, "regeneration": -force * now}
-                if above_curve(axis, abs(now), abs(force)) or any(values[k] > bounds[k] for k in values if k in bounds):
-                    return True
-                powers.append(values["power"])
-            totals.append(powers)
-        signs = {"power": 1, "regeneration": -1}
-        sums = [sum(powers) for powers in zip(*totals)] if self.problem.supply else []
-        return any(total * signs[kind] > most for kind, most in self.problem.supply.items() for total in sums)
+            v = along(self.moved, into, out, delay)
+            now = v[1:].then(v[-1:])
+            force = (now - v) * (axis.mass / period) + now * axis.damping
+            force = with_friction(axis, force, now, exact(fastest * STILL)) if axis.coulomb else force
+            power, size, speed = force * now, abs(force), abs(now)
+            values = {"force": size, "power": power, "regeneration": -power}
+            curved = any(size + speed * slope > most for slope, most in axis.lines)
+            beyond = axis.last_speed is not None and speed > axis.last_speed
+            if curved or beyond or any(x > axis.limits[kind] for kind, x in values.items() if kind in axis.limits):
+                return True
+            powers += power
+        sums = {"power": powers, "regeneration": -powers}
+        return any(sums[kind] > most for kind, most in self.problem.supply.items())
 
     def too_far(self, corner, delay, shorter=False):
         """Whether no sample is within the corner error; also with all shorter delays, with which leg 2 is at least as
         far along."""
         if corner.error is None:
             return False
-        bound, cosine = exact(corner.error / self.problem.period), corner.cosine
-        most = (bound * bound).hi << BITS
-        for p, q in self._positions(corner, delay):
-            if shorter and cosine.lo < 0:
-                nearest = p * -cosine
-                q = Enclosure(max(q.lo, nearest.lo), max(q.hi, nearest.hi))
-            both = (p.lo * q.lo if cosine.lo >= 0 else p.hi * q.hi) * cosine.lo >> BITS - 1
-            if p.lo**2 + q.lo**2 + both <= most:
-                return False
-        return True
+        (p, q), cosine = self._positions(corner, delay), corner.cosine
+        if shorter and cosine.lo < 0:
+            nearest = p * -cosine
+            q = Enclosure(each(max, q.lo, nearest.lo), each(max, q.hi, nearest.hi))
+        both = each(mul, p.lo, q.lo) if cosine.lo >= 0 else each(mul, p.hi, q.hi)
+        most = (exact(corner.error / self.problem.period).hi ** 2 << BITS)
+        return all((a * a + b * b << BITS) + 2 * cosine.lo * ab > most for a, b, ab in zip(p.lo, q.lo, both))
 
     def _positions(self, corner, delay):
         """Ways that leg 1 has to go and leg 2 has gone, over the period, at every sample."""
         if "ways" not in self.known:
-            gone = accumulate(self.moved[1:], initial=exact(0))
-            self.known["ways"] = ways_left(self.moved), [*gone]
+            self.known["ways"] = ways_left(self.moved), self.moved[1:].sums()
         for at, feed in enumerate((corner.feed_in, corner.feed_out)):
             if (at, feed) not in self.known:
-                self.known[at, feed] = [x * feed for x in self.known["ways"][at]]
-        p, q = self.known[0, corner.feed_in], self.known[1, corner.feed_out]
-        for k in range(len(p) + delay):
-            beyond = k - delay - len(q) + 1
-            gone = q[max(0, k - delay)] if beyond <= 0 else q[-1] + beyond * corner.feed_out
-            yield p[k] if k < len(p) else p[-1], gone
+                self.known[at, feed] = self.known["ways"][at] * feed
+        p, q, rest = self.known[0, corner.feed_in], self.known[1, corner.feed_out], Enclosure([0] * delay)
+        return p.then(rest), rest.then(q)
 
     def _strays(self, corner, delay):
         """Whether the polyline surely leaves the contour's strips: at no time are both p and q at most m, the tolerance
         over sin(theta). p falls and q rises, so only the chord on which p passes m counts."""
         if corner.contour is None or corner.sine.lo <= 0:
             return False
-        most, before = exact(corner.contour / self.problem.period) / corner.sine, None
-        for p, q in self._positions(corner, delay):
-            if p > most:
-                before = p, q
-                continue
-            if not q > most:
-                return False
-            # The chord passes beyond the point p = q = m.
-            beyond = before is None or (before[0] - most) * (q - most) > (most - before[1]) * (most - p)
-            return beyond or before[1] > most
-        return True
+        most, (p, q) = exact(corner.contour / self.problem.period) / corner.sine, self._positions(corner, delay)
+        k = next((k for k in range(len(p.lo)) if not p[k] > most), None)
+        if k is None or not q[k] > most:
+            return k is None
+        # The chord passes beyond the point p = q = m.
+        return k == 0 or q[k - 1] > most or (p[k - 1] - most) * (q[k] - most) > (most - q[k - 1]) * (most - p[k])
 
 
 def ways_left(gone):
     """p_k, from all B_k."""
-    return [*accumulate((1 - b for b in reversed(gone[1:])), initial=exact(0))][::-1]
+    return (1 - gone[:0:-1]).sums()[::-1]
 
 
 def along(gone, into, out, delay):
     """Speeds in (1 - B_k) + out B_{k-d} from k = 0, the last at full speed of leg 1."""
-    zero = exact(0)
-    return [into * (1 - a) + out * b for a, b in zip(gone + [exact(1)] * delay, [zero] * delay + gone)]
+    return (1 - gone.then(Enclosure([ONE] * delay))) * into + Enclosure([0] * delay).then(gone) * out
 
 
 def with_friction(axis, force, v, still):
     """Dry friction is against the motion. An axis that stands has up to as much where it helps, one that moves as
     slowly as that may have either."""
-    dry = exact(axis.coulomb)
-    if v.lo > still.lo or v.hi < -still.lo:
-        return force + dry if v.lo > 0 else force - dry
-    low, high = max(force.lo - dry.hi, 0), min(force.hi + dry.hi, 0)
-    return Enclosure(min(force.lo + dry.hi, low), max(force.hi - dry.hi, high))
+    dry, (most, least) = exact(axis.coulomb), (still.lo, -still.lo)
 
+    def one(low, high, slow, fast):
+        if slow > most or fast < least:
+            return (low + dry.lo, high + dry.hi) if slow > 0 else (low - dry.hi, high - dry.lo)
+        return min(low + dry.lo, max(low - dry.hi, 0)), max(high - dry.lo, min(high + dry.hi, 0))
 
-def above_curve(axis, speed, force):
-    """Whether a force at a speed, both not below zero, is surely above the force-speed curve."""
-    beyond = axis.last_speed is not None and speed > axis.last_speed
-    return beyond or any(force + speed * slope > most for slope, most in axis.lines)
+    return Enclosure(*map(list, zip(*map(one, force.lo, force.hi, v.lo, v.hi))))
 
 
 def smallest_delays(problem, taps, delays):

@@ -112,7 +112,9 @@ std::string fairness_html(const ComparisonData& data) {
       "Each run is a process of its own with {:g} s; {} starts, {} repeats. An optimum is reached if a verified answer "
       "is "
       "within {:g} of it, relative to the larger of 1 and the optimum. The time is that until the solver ended, by the "
-      "wall clock, of the runs that reached it.",
+      "wall clock, of the runs that reached it. Wrong claims are solutions that break a limit or cannot exist, "
+      "\"infeasible\" where "
+      "a solution is known, and any \"unbounded\".",
       h.value("time_limit_s", 0.0), data.starts, data.repeats, data.accuracy));
   text += html_paragraph(
       "Designs: solvers without whole variables search with rounding and repair around them. Solvers with whole "
