@@ -9,7 +9,7 @@ nan, inf = float("nan"), float("inf")
 BASE = {"sample_period": 1e-3, "axes": {"acceleration_max": 6.0}, "corners": {"angle": 1.6, "feed_in": 0.1}}
 WRONG = [nan, -1, -1e9, 0, 1.5, 1e9, 1e300, inf, True, "text", [1], [nan], {"a": 1}, [[1, 2]], None, 1j]
 DICTS = ("axes", "corners", "modes", "machine", "controller", "filter", "baseline", "program")
-# What one needs beside the argument that is tried, so that the message is about that.
+# Arguments that another needs, so that the message is about the one that is tried.
 BESIDE = {"axes": {"acceleration_max": 6.0}, "corners": {"angle": 1.6, "feed_in": 0.1},
           "modes": {"frequency": 40.0, "residual_max": 0.1}, "filter": {"kind": "boxcar", "order": 9},
           "baseline": {"kind": "boxcar", "order": 9}}
