@@ -23,7 +23,8 @@ def saves_one_task(page):
     bound = json.loads(page.value("document.body.dataset.task"))["corner"][0]["error_max_um"]
     check(f"error_max_um = {bound}" in text, f"with the task of that time, {bound} um")
     check(not re.search(r'class="[^"]*\b(stale|old)\b', text), "and no row of another task")
-    page.value("globalThis.fetch = (at, how) => String(at).startsWith('design') ? new Promise(() => {}) : realFetch(at, how)")
+    page.value("globalThis.fetch = (at, how) =>"
+               " String(at).startsWith('design') ? new Promise(() => {}) : realFetch(at, how)")
     page.key("ArrowLeft", shift=True)
     said = page.value("accdecPage.pageText().then(() => 'saved', (error) => error.message)")
     check(said.startswith("not saved: these numbers have no answer yet"), said)

@@ -42,7 +42,7 @@ py::bytes drawn(Draw draw) {
 /// The values to set in a controller, with the answer in words.
 py::dict settings_dict(const ChosenSettings& settings, const std::string& answer);
 
-/// The words of the library, with Python's names of arguments in place of keys of files and options of the command line.
+/// The library's words, with Python's names of arguments in place of keys of files and options of commands.
 py::object in_python_words(const std::string& said);
 
 /// A list with what `make` makes of every item.

@@ -36,7 +36,7 @@ Drawing make_drawing(const std::string& name, FigureData data, const std::string
 namespace {
 
 const char* const time_label = "time from the corner command / ms";
-const char* const speed_label = "velocity / (mm/s)";
+const char* const speed_label = "velocity / mm/s";
 
 std::vector<Panel> component_panels(const FigureData& data, const std::string& suffix, const std::string& note) {
   const auto name = [&](const char* base) { return base + suffix + "_mm_s"; };
@@ -147,7 +147,7 @@ std::vector<Drawing> drawings() {
   all.push_back(make_drawing("fig05", std::move(d5), "Fig. 5: blend in the a-b frame, " + feed, {p5}, 1));
   const auto speeds = [&](const char* title, const char* d) {
     const auto name = [&](const char* base) { return fmt::format("{}_d{}_mm_s", base, d); };
-    Panel panel = panel_of(d6, title, "t_ms", time_label, "speed / (mm/s)",
+    Panel panel = panel_of(d6, title, "t_ms", time_label, "speed / mm/s",
                            {{name("v"), "along the path"}, {name("v1"), "leg 1"}, {name("v2"), "leg 2"}});
     panel.y.min = 0.0;
     return panel;

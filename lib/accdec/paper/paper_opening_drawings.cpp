@@ -8,7 +8,7 @@ namespace accdec::paper {
 namespace {
 
 const char* const opening_time_label = "time / ms";
-const char* const opening_speed_label = "velocity / (mm/s)";
+const char* const opening_speed_label = "velocity / mm/s";
 
 Drawing draw1() {
   FigureData data = figure1();

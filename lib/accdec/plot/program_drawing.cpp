@@ -140,7 +140,7 @@ Series stroke_series(const std::vector<Stroke>& strokes, const ProgramView& view
 
 ColouredLines speed_lines(const std::vector<Stroke>& strokes, const ProgramView& view) {
   ColouredLines lines;
-  lines.label = "speed / (mm/s)";
+  lines.label = "speed / mm/s";
   lines.high = 0.0;
   for (const Stroke& s : strokes) {
     if (!s.rapid) lines.high = std::max(lines.high, 1e3 * s.speed);

@@ -85,7 +85,7 @@ Panel speed_over_time_panel(const Toolpath& programmed, const Machine& machine, 
     highest = feed;
   }
   panel.x.label = "time / s";
-  panel.y.label = "speed / (mm/s)";
+  panel.y.label = "speed / mm/s";
   panel.x.min = 0.0, panel.x.max = motion.cycle_time;
   panel.y.min = 0.0, panel.y.max = highest > 0.0 ? 1.06 * highest : 1.0;
   for (auto& [binding, trace] : traces) {

@@ -44,9 +44,7 @@ std::string axis_title(const std::string& column, const std::string& unit) {
   const std::size_t dot = name.rfind('.'), begin = dot == std::string::npos ? 0 : dot + 1;
   std::replace(name.begin() + static_cast<std::ptrdiff_t>(begin), name.end(), '_', ' ');
   if (begin > 0) name = fmt::format("{}: {}", name.substr(0, dot), name.substr(begin));
-  if (unit.empty()) return name;
-  return unit.find_first_of("/ ") == std::string::npos ? fmt::format("{} / {}", name, unit)
-                                                       : fmt::format("{} / ({})", name, unit);
+  return unit.empty() ? name : fmt::format("{} / {}", name, unit);
 }
 
 std::string unit_in(const std::string& column, const Study& study) {
