@@ -112,6 +112,7 @@ ChainMaker::ChainMaker(const Toolpath& path, const AvailableAcceleration& availa
   chain_.stretch.assign(blocks + 1, 0.0);
   chain_.coast.assign(blocks + 1, 0.0);
   units_.resize(blocks * n_);
+  corners_.resize(blocks);
   for (std::size_t b = 0; b < blocks; ++b) measure(b);
   // Between speeding up and braking, an axis would change its acceleration by twice its limit.
   for (std::size_t a = 0; a < n_; ++a) {
@@ -129,7 +130,7 @@ void ChainMaker::set_part(const ProfileShares& shares, std::size_t first, std::s
   for (std::size_t b = first; b <= last; ++b) set_ramp(b, static_cast<double>(shares.acceleration[2 * b]));
   for (std::size_t c = first + 1; c <= last; ++c) {
     if (path_.joint[c - 1] == Joint::stop) continue;
-    set_corner(c, static_cast<double>(shares.acceleration[2 * c - 1]), static_cast<double>(shares.speed[c]));
+    set_corner(c, shares);
   }
 }
 
@@ -148,6 +149,7 @@ bool ChainMaker::remake(const ProfileShares& shares, std::size_t first, std::siz
     made = take_whole_samples(part, from, begins - phases[last + 1], available_.period());
   }
   put_part(made ? part : before, first, chain_);
+  if (!made) std::fill_n(corners_.begin() + static_cast<std::ptrdiff_t>(first) + 1, last - first, Corner{});
   return made;
 }
 
@@ -168,7 +170,14 @@ void ChainMaker::set_ramp(std::size_t b, double share) {
   }
 }
 
-void ChainMaker::set_corner(std::size_t c, double acceleration, double speed) {
+void ChainMaker::set_corner(std::size_t c, const ProfileShares& shares) {
+  const float* const share = shares.acceleration.data() + 2 * c - 2;
+  const auto speed = static_cast<double>(shares.speed[c]);
+  Corner& known = corners_[c];
+  if (known.before == share[0] && known.at == share[1] && known.after == share[2]) {
+    chain_.speed_max[c] = known.speed * speed;
+    return;
+  }
   ProfileLegs legs;
   legs.in = unit(c - 1);
   legs.out = unit(c);
@@ -177,11 +186,12 @@ void ChainMaker::set_corner(std::size_t c, double acceleration, double speed) {
   legs.feed = std::min(chain_.feed[c - 1], chain_.feed[c]);
   legs.room = std::min(chain_.length[c - 1], chain_.length[c]);
   legs.tolerance = path_.tolerance[c - 1];
-  legs.scale = acceleration;
+  legs.scale = static_cast<double>(share[1]);
   const CornerPass pass = corner_pass(available_, n_, legs);
   chain_.speed_max[c] = pass.speed_max * speed;
   chain_.stretch[c] = pass.stretch;
   chain_.coast[c] = pass.coast;
+  known = {share[0], share[1], share[2], pass.speed_max};
 }
 
 }  // namespace accdec

@@ -23,7 +23,7 @@ class ChainMaker {
   /// References are kept.
   ChainMaker(const Toolpath& path, const AvailableAcceleration& available);
 
-  /// Makes the whole chain.
+  /// Makes the whole chain. What shares have not changed is taken from the last time.
   const ProfileChain& make(const ProfileShares& shares);
   /// Makes legs first .. last again with the same speeds at both ends. They are slowed so that all samples after them
   /// are the same, only whole samples later. Then these stay verified. False, with nothing changed, if this cannot be
@@ -38,14 +38,20 @@ class ChainMaker {
   const double* unit(std::size_t b) const { return units_.data() + b * n_; }
   void measure(std::size_t b);
   void set_ramp(std::size_t b, double share);
-  void set_corner(std::size_t c, double acceleration, double speed);
+  void set_corner(std::size_t c, const ProfileShares& shares);
   void set_part(const ProfileShares& shares, std::size_t first, std::size_t last);
 
   const Toolpath& path_;
   const AvailableAcceleration& available_;
   const std::size_t n_;
+  /// The largest speed of a corner, and the shares of its place and of the legs beside it that gave it.
+  struct Corner {
+    float before = -1.0F, at = -1.0F, after = -1.0F;
+    double speed = 0.0;
+  };
   ProfileChain chain_;
   std::vector<double> units_;
+  std::vector<Corner> corners_;
 };
 
 }  // namespace accdec

@@ -10,6 +10,17 @@
 namespace accdec {
 namespace {
 
+/// Whether the whole of a long program is made again. That takes less time than its parts if they are many, and no part
+/// has to end at a whole sample.
+bool made_whole(std::size_t blocks, const std::vector<LegRange>& touched, int round) {
+  constexpr std::size_t long_program = 50'000, beside = 20;  // legs that are made and sampled with a part
+  constexpr int rounds_max = 10;
+  if (blocks <= long_program || round >= rounds_max) return false;
+  std::size_t work = 0;
+  for (const LegRange& part : touched) work += part.last - part.first + 1 + beside;
+  return work > blocks;
+}
+
 /// Not checked if the deadline came before its last sample.
 ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sample_period, const Filter& last,
                       const Deadline& deadline) {
@@ -24,9 +35,10 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
   std::vector<double> phases(path.blocks());
   constexpr int rounds_max = 60;
   constexpr std::int64_t samples_between_looks = 100'000;  // at the clock, 0.1 s
+  int strictness = 0;  // see ProfileRepair
   for (plan.rounds = 0;; ++plan.rounds) {
     // Parts that hold alone but not in the whole are slowed more in every round.
-    ProfileRepair repair(path, available, shares, all, 2 * plan.rounds);
+    ProfileRepair repair(path, available, shares, all, strictness);
     SampleChecker checker(path, machine, sample_period, plan.errors,
                           [&](std::int64_t first, std::int64_t last_place, LimitKind kind, double ratio) {
                             repair.limit(first, last_place, kind, ratio);
@@ -41,8 +53,14 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
     plan.checked = true;
     if (plan.holds() || plan.rounds == rounds_max || deadline.over()) break;
     if (!plan.check.errors_hold) repair.errors(maker.chain(), plan.errors, all);
-    repair_parts(path, machine, available, shares, maker, plan.errors, phases, repair.touched(), 2 * plan.rounds,
-                 deadline);
+    std::vector<LegRange> touched = repair.touched();
+    if (made_whole(path.blocks(), touched, plan.rounds)) {
+      maker.make(shares);
+    } else {
+      repair_parts(path, machine, available, shares, maker, plan.errors, phases, std::move(touched), strictness,
+                   deadline);
+      strictness += 2;
+    }
   }
   plan.chain = maker.take();
   return plan;

@@ -72,8 +72,10 @@ class CornerSearch {
   double excess(double v, double stretch, double coast) const {
     return corner_distance(n_, v, stretch * v, available_.last(), ramp_, coast) - tolerance(stretch);
   }
-  std::optional<CornerPass> with_coast(double coast) const {
+  /// @param known  a pass: none that loses more is of use
+  std::optional<CornerPass> with_coast(double coast, const std::optional<CornerPass>& known) const {
     CornerPass pass{legs_.feed, stretch(legs_.feed), coast};
+    if (known && loses_more(pass, lost(*known))) return std::nullopt;
     const double above = excess(pass.speed_max, pass.stretch, coast);
     if (above <= 0.0) return pass;
     const double below = excess(0.0, pass.stretch, coast);
@@ -96,15 +98,28 @@ class CornerSearch {
   double reached() const { return reached_; }
 
  private:
+  /// Whether a pass with this stretch and coast certainly loses more than `least`. In v, lost() is a parabola with a
+  /// root at the speed reached. If it is larger at 0, only speeds above its other crossing lose less.
+  bool loses_more(const CornerPass& pass, double least) const {
+    if (available_.depends_on_speed()) return false;
+    // lost(f - x) f = x (p - q x)
+    const double p = pass.stretch * reached_ + 2.0 * pass.coast, q = pass.stretch - 1.0 / ramp_;
+    if (!(reached_ * (p - q * reached_) > least * reached_ * (1.0 + 1e-9))) return false;
+    const double root = std::sqrt(std::max(0.0, p * p - 4.0 * q * least * reached_));
+    const double x = 2.0 * least * reached_ / (p + root);
+    return excess(reached_ - x * (1.0 + 1e-9), pass.stretch, pass.coast) > 0.0;
+  }
+
   const AvailableAcceleration& available_;
   std::size_t dimensions_;
   const ProfileLegs& legs_;
   double n_, ramp_, reached_;
 };
 
-/// The fastest of several lengths of coasting, from the least that the swing allows.
+/// The fastest of several lengths of coasting, from the least that the swing allows. @param known  see with_coast
 std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std::size_t dimensions,
-                                     const ProfileLegs& legs, const CornerSearch& search, double window) {
+                                     const ProfileLegs& legs, const CornerSearch& search, double window,
+                                     const std::optional<CornerPass>& known = {}) {
   const double stretch = search.stretch(legs.feed), most = 0.5 * window;
   double least = window > 0.0 ? least_coast(available, dimensions, legs, stretch) : 0.0;
   // If the legs are too short for coasting, the acceleration is lowered later where it changes too fast.
@@ -121,7 +136,7 @@ std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std
   constexpr int steps = 4;
   std::optional<CornerPass> best;
   for (int i = 0; i <= (least < most ? steps : 0); ++i) {
-    const std::optional<CornerPass> candidate = search.with_coast(least + (most - least) * i / steps);
+    const std::optional<CornerPass> candidate = search.with_coast(least + (most - least) * i / steps, best ? best : known);
     if (candidate && (!best || search.lost(*candidate) < search.lost(*best))) best = candidate;
     if (candidate && candidate->speed_max >= search.reached()) break;
   }
@@ -150,7 +165,7 @@ CornerPass corner_pass(const AvailableAcceleration& available, std::size_t dimen
       ProfileLegs scaled = legs;
       scaled.scale *= gentler;
       const CornerSearch other(available, dimensions, scaled, n);
-      const std::optional<CornerPass> candidate = best_coast(available, dimensions, scaled, other, window);
+      const std::optional<CornerPass> candidate = best_coast(available, dimensions, scaled, other, window, best);
       if (candidate && search.lost(*candidate) < search.lost(*best)) best = candidate;
     }
   }
