@@ -1,4 +1,5 @@
 """Whole filters: the limits that their motions surely break, and what their corners cost at least."""
+from bisect import bisect_right
 from copy import copy
 from functools import cached_property
 from itertools import product
@@ -122,12 +123,17 @@ class Filter:
         far along."""
         if corner.error is None:
             return False
-        (p, q), cosine = self._positions(corner, delay), corner.cosine
+        (p, q), cosine, bound = self._positions(corner, delay), corner.cosine, exact(corner.error / self.problem.period)
+        if corner.sine.lo > 0:
+            # Within the error neither leg is farther than that over sin(theta). Rounding disorders p and q by less.
+            reach = (bound / corner.sine).hi + (1 << 32)
+            near = slice(len(p.lo) - bisect_right(p.lo[::-1], reach), bisect_right(q.lo, reach))
+            p, q = p[near], q[near]
         if shorter and cosine.lo < 0:
             nearest = p * -cosine
             q = Enclosure(each(max, q.lo, nearest.lo), each(max, q.hi, nearest.hi))
         both = each(mul, p.lo, q.lo) if cosine.lo >= 0 else each(mul, p.hi, q.hi)
-        most = (exact(corner.error / self.problem.period).hi ** 2 << BITS)
+        most = bound.hi ** 2 << BITS
         return all((a * a + b * b << BITS) + 2 * cosine.lo * ab > most for a, b, ab in zip(p.lo, q.lo, both))
 
     def _positions(self, corner, delay):

@@ -1,10 +1,12 @@
-// Bonmin 1.8: branch and bound over Ipopt (B-BB). Its outer approximations (B-OA, B-QG, B-Hyb) called a design
-// infeasible that has a filter, for an unknown cause, so they are not offered.
+// Bonmin 1.8: branch and bound over Ipopt (B-BB), and outer approximation by Cbc (B-OA). Its two other ways, B-QG and
+// B-Hyb, call worse designs optimal with Debian's Cbc 2.10, or end in an assertion of Cbc. So they are not offered.
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include <BonBonminSetup.hpp>
 #include <BonCbc.hpp>
@@ -22,13 +24,25 @@ namespace {
 
 using nlp::Evaluator;
 
-/// Adds the whole variables, and which rows are linear.
+/// Adds the whole variables, and which rows are linear. Bonmin's outer approximations take a linear row for its slopes
+/// alone, as AMPL's have no constants. So constants go to the bounds here.
 class Adapter : public IpoptProblem<Bonmin::TMINLP> {
  public:
   Adapter(Evaluator& evaluator, std::span<const double> start) : IpoptProblem(evaluator, start) {
     find_linear_rows(start);
   }
 
+  bool get_bounds_info(Ipopt::Index n, double* xl, double* xu, Ipopt::Index m, double* cl, double* cu) override {
+    if (!IpoptProblem::get_bounds_info(n, xl, xu, m, cl, cu)) return false;
+    subtract_constants(m, cl);
+    subtract_constants(m, cu);
+    return true;
+  }
+  bool eval_g(Ipopt::Index n, const double* x, bool is_new, Ipopt::Index m, double* c) override {
+    if (!IpoptProblem::eval_g(n, x, is_new, m, c)) return false;
+    subtract_constants(m, c);
+    return true;
+  }
   bool get_variables_types(Ipopt::Index n, VariableType* types) override {
     for (int i = 0; i < n; ++i) {
       const nlp::Bound b = problem().variable_bound(i);
@@ -61,6 +75,7 @@ class Adapter : public IpoptProblem<Bonmin::TMINLP> {
     const std::vector<nlp::Entry>& pattern = problem().hessian_pattern();
     linear_.assign(m, problem().has_hessian());
     curved_.assign(n, !problem().has_hessian());
+    constants_.assign(m, 0.0);
     if (!problem().has_hessian()) return;
     std::mt19937_64 random(1);
     std::vector<double> x(start.begin(), start.end()), values(pattern.size()), multipliers(m, 0.0);
@@ -82,9 +97,22 @@ class Adapter : public IpoptProblem<Bonmin::TMINLP> {
         x[i] = low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
       }
     }
+    problem().rows(std::vector<double>(n, 0.0), constants_);
+    for (std::size_t r = 0; r < m; ++r) {
+      linear_[r] = linear_[r] && std::isfinite(constants_[r]);
+      if (!linear_[r]) constants_[r] = 0.0;
+    }
+  }
+
+  /// Takes the constants of linear rows from their values or bounds. A bound that is absent stays so.
+  void subtract_constants(Ipopt::Index m, double* values) const {
+    for (int r = 0; r < m; ++r) {
+      if (std::abs(values[r]) < 1e19) values[r] -= constants_[static_cast<std::size_t>(r)];
+    }
   }
 
   std::vector<bool> linear_, curved_;
+  std::vector<double> constants_;  ///< of rows; 0 if a row is not linear
 };
 
 Claim claim_of(Bonmin::Bab::MipStatuses status, bool late) {
@@ -99,7 +127,8 @@ Claim claim_of(Bonmin::Bab::MipStatuses status, bool late) {
 
 class BonminSolver final : public Solver {
  public:
-  std::string name() const override { return "bonmin"; }
+  BonminSolver(std::string name, std::string algorithm) : name_(std::move(name)), algorithm_(std::move(algorithm)) {}
+  std::string name() const override { return name_; }
   std::string library_version() const override { return "Bonmin " ACCDEC_BONMIN_VERSION; }
   Capabilities capabilities() const override {
     Capabilities can;
@@ -107,7 +136,8 @@ class BonminSolver final : public Solver {
     return can;
   }
   std::string settings() const override {
-    return "algorithm = B-BB, tol = tolerance, constr_viol_tol = feasibility_tolerance / 10, allowable_gap = 5e-4, "
+    return "algorithm = " + algorithm_ +
+           ", tol = tolerance, constr_viol_tol = feasibility_tolerance / 10, allowable_gap = 5e-4, "
            "allowable_fraction_gap = 0, no feasibility pump";
   }
 
@@ -160,18 +190,20 @@ class BonminSolver final : public Solver {
     return false;
   }
 
-  static std::string options_text(const nlp::Problem& problem, const Options& options) {
+  std::string options_text(const nlp::Problem& problem, const Options& options) const {
     std::string text = fmt::format(
-        "bonmin.algorithm B-BB\nbonmin.time_limit {}\ntol {}\nconstr_viol_tol {}\nbonmin.allowable_gap 5e-4\n"
+        "bonmin.algorithm {}\nbonmin.time_limit {}\ntol {}\nconstr_viol_tol {}\nbonmin.allowable_gap 5e-4\n"
         "bonmin.allowable_fraction_gap 0\nbonmin.pump_for_minlp no\nbonmin.heuristic_feasibility_pump no\nprint_level "
         "0\nsb yes\n",
-        options.time_limit, options.tolerance, 0.1 * options.feasibility_tolerance);
+        algorithm_, options.time_limit, options.tolerance, 0.1 * options.feasibility_tolerance);
     for (const char* log :
          {"bb_log_level", "lp_log_level", "nlp_log_level", "milp_log_level", "oa_log_level", "fp_log_level"})
       text += fmt::format("bonmin.{} 0\n", log);
     if (!problem.has_hessian()) text += "hessian_approximation limited-memory\n";
     return text;
   }
+
+  std::string name_, algorithm_;
 };
 
 }  // namespace
@@ -179,5 +211,6 @@ class BonminSolver final : public Solver {
 
 void accdec_add_solvers(accdec::solvers::SolverList& list) {
   using namespace accdec::solvers;
-  list.push_back(std::make_unique<BonminSolver>());
+  list.push_back(std::make_unique<BonminSolver>("bonmin", "B-BB"));
+  list.push_back(std::make_unique<BonminSolver>("bonmin-oa", "B-OA"));
 }
