@@ -46,8 +46,8 @@ _WORDS: list[tuple[str, Union[str, Callable[[re.Match[str]], str]]]] = [
     (r"got an array", "got a list"), (r"got a table", "got a dict"), (r"got a boolean", "got a bool"),
     (r"\b(got|is) an integer", r"\1 an int"), (r"got a number with a fraction", "got a float"),
     (r"must be true or false", "must be True or False"), (r"got true\b", "got True"), (r"got false\b", "got False"),
-    (r"--(plan|feeds|method) (\w+)", r'\1="\2"'),
-    (r"--([a-z]+(?:-[a-z]+)*)", lambda m: m[1].replace("-", "_")),
+    (r"(?<![\w/-])--(plan|feeds|method) (\w+)", r'\1="\2"'),
+    (r"(?<![\w/-])--([a-z]+(?:-[a-z]+)*)", lambda m: m[1].replace("-", "_")),
 ]
 
 

@@ -29,7 +29,11 @@ PyObject* new_class(py::module_& module, const char* name, PyObject* base, const
 }
 
 void raise_input_error(const InputError& error) {
-  py::object raised = py::reinterpret_borrow<py::object>(input_error)(error.what());
+  py::object said = py::str(error.what());
+  // Without a place in a file it is about arguments, whose names are there already.
+  if (error.line() == 0 && error.file() == "task")
+    said = py::module_::import("accdec._fields").attr("in_python_words")(said);
+  py::object raised = py::reinterpret_borrow<py::object>(input_error)(said);
   raised.attr("file") = error.file();
   raised.attr("line") = error.line();
   raised.attr("column") = error.column();
