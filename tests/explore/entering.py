@@ -55,6 +55,17 @@ def offers(page):
         page.settle()
 
 
+def tables(page):
+    """A table that is added has all that it needs: the task is designed, or no filter holds its limits."""
+    for name in page.value("[...document.querySelectorAll('button.add')].map(b => b.textContent)"):
+        page.value(f"[...document.querySelectorAll('button.add')].find(b => b.textContent === '{name}').click()")
+        page.settle()
+        said = page.value("document.querySelector('#trouble').textContent")
+        check(said == "" or said.startswith("No design:"), f"{name} can be added {said[:60]}")
+        page.value("document.querySelector('#reset').click()")
+        page.settle()
+
+
 def decades(page):
     """A slider of a positive number goes over decades around its value, through round numbers, within the range."""
     slider = "document.querySelector('#sample_period_ms-slider')"

@@ -20,10 +20,14 @@ export function firstValue(key) {
   }
 }
 
+/** A table that is added: with all that it needs, and of keys that exclude each other those of the first way. */
 export function firstTable(key) {
   const value = {};
   for (const inner of key.keys ?? []) if (inner.required) value[inner.name] = firstValue(inner);
-  for (const name of neededBy(key, value)) value[name] ??= firstValue(key.keys.find((k) => k.name === name));
+  const ways = key.conditions?.oneOf ?? [];
+  const chosen = ways.some((way) => way.required?.every((name) => name in value)) ? [] : (ways[0]?.required ?? []);
+  for (const name of [...neededBy(key, value), ...chosen])
+    value[name] ??= firstValue(key.keys.find((k) => k.name === name));
   return value;
 }
 
