@@ -148,12 +148,12 @@ def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,
     47.14
     """
     made = as_task(task, complete=taps is None and delays is None)
-    if taps is None and delays is None:
-        return _core.evaluate(made)
     if taps is None:
         taps = made.taps
         if taps is None:
             raise ValueError("taps: the task has no filter, so the taps are needed")
+        if delays is None:
+            return _core.evaluate(made)
     if delays is None:
         delays = [corner["delay"] for corner in made.corners]
         if None in delays:
