@@ -20,7 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Of corner/acceleration-jerk.toml.
+/// The corner of corner/acceleration-jerk.toml.
 Task everyday_corner(const std::string& more) {
   TaskOptions choices;
   choices.response = Considered::any;

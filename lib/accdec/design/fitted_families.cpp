@@ -42,7 +42,7 @@ double variance_of(const std::vector<int>& lengths) {
   return sum;
 }
 
-/// Of the impulses.
+/// The variance of the impulses.
 double variance_of(const ShaperInfo& shaper, double delay) {
   return delay * delay * (shaper.pairs == 1 ? 0.25 : 2.0 * shaper.outer);
 }

@@ -15,7 +15,7 @@ namespace accdec {
 /// those of that filter's taps, which may be any.
 Task filter_with_smoothing(const Task& task);
 
-/// What was proved of that task as a proof of the task: its filters are shorter by the order of the smoothing.
+/// A proof of that task as one of the task itself, whose filters are shorter by the order of the smoothing.
 DesignResult without_smoothing(const Task& task, DesignResult found);
 
 /// The design of a filter in front of the smoothing, with the smallest delays. Empty if some limit does not hold.
