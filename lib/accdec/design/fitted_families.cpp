@@ -47,6 +47,12 @@ double variance_of(const ShaperInfo& shaper, double delay) {
   return delay * delay * (shaper.pairs == 1 ? 0.25 : 2.0 * shaper.outer);
 }
 
+double variance_of(const Filter& filter) {
+  double sum = 0.0;
+  for (int i = 0; i <= filter.order(); ++i) sum += std::pow(i - filter.mean_delay(), 2) * filter.tap(i);
+  return sum;
+}
+
 double variance_of(const FilterSpec& spec) {
   const ShaperInfo* shaper = shaper_of(spec);
   return variance_of(spec.lengths) + (shaper == nullptr ? 0.0 : variance_of(*shaper, spec.pair_delay));
@@ -73,7 +79,7 @@ class FamilyFits {
       const double variance = variance_of(best().fitted.filter);
       keep(most_averages);
       pole();
-      for (const OfTwoNumbers& family : of_two_numbers) scan(family);
+      for (const OfTwoNumbers& family : of_two_numbers) scan(family, variance);
       shapers(variance);
       keep(most_others);
     } else {
@@ -155,7 +161,8 @@ class FamilyFits {
 
   /// Coarse steps of the number for every order, then golden section around the best. The steps are fine: commands
   /// begin on a sample, so that every mean delay with a whole number of samples to it is a minimum of its own.
-  void scan(const OfTwoNumbers& family) {
+  /// @param variance  about that of the filter
+  void scan(const OfTwoNumbers& family, double variance) {
     constexpr int steps = 64;
     constexpr std::size_t most_minima = 40;
     struct Found {
@@ -165,8 +172,11 @@ class FamilyFits {
     std::vector<Found> found;
     const auto part_of = [](int step) { return (step + 0.5) / steps; };
     for (int order = least_order; order <= order_max_; ++order) {
-      for (int step = 0; step < steps; ++step)
-        found.push_back({order, step, squares_of(family.member(order, part_of(step)), 0)});
+      for (int step = 0; step < steps; ++step) {
+        const Filter filter = make_filter(family.member(order, part_of(step)));
+        if (std::abs(variance_of(filter) - variance) > 0.3 * variance + 4.0) continue;
+        found.push_back({order, step, window_.fit(filter, 0).squares});
+      }
     }
     std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.squares < b.squares; });
     found.resize(std::min(found.size(), most_minima));
