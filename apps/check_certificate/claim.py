@@ -89,9 +89,13 @@ def _branch_and_bound(result, problem, certificate):
     for got, known, what in zip(asked, (problem.objective, WIDER - 1, problem.runs), ("objective", "limits", "runs")):
         refuse_if(got != known, f"the certificate is about other {what} than the task")
     target = _target(result, problem, "lower_bound_s", certificate["bound_samples"])
+    searched, end = problem, target
+    if certificate.get("smoothed"):
+        searched, more = problems.together(problem)
+        end = None if target is None else target + more
     if certificate.get("corner_of"):
-        problem = problems.merge(problem, certificate["corner_of"])
-    leaves = Tree(problem, certificate, target).leaves
+        searched = problems.merge(searched, certificate["corner_of"])
+    leaves = Tree(searched, certificate, end).leaves
     words = f"no design of order {problem.order_max} or less keeps all limits"
     if target is not None:
         words = f"no {problem.objective} time is shorter than {float(target * problem.period):.9g} s"

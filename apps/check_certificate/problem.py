@@ -207,3 +207,15 @@ def merge(problem, corner_of):
         merged[kind].weight += corner.weight
     problem.corners = merged
     return problem
+
+
+def together(problem):
+    """The filter and the control's smoothing as one filter, which may be any.
+
+    @return this problem, and what the smoothing costs more there
+    """
+    ends, longer, one = [(tap.lo, tap.hi) for tap in problem.smoothing], len(problem.smoothing) - 1, copy(problem)
+    one.smoothing, one.response = _taps([1]), problem.servo
+    one.order_min, one.order_max = problem.order_min + longer, problem.order_max + longer
+    one.symmetric = problem.symmetric and ends == ends[::-1]
+    return one, problem.filter_cost * longer

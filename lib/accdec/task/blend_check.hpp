@@ -35,9 +35,19 @@ class BlendCheck {
       : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
   bool holds(int delay) {
-    // The error first: it takes a few samples, the limits all of them.
-    return error_holds(delay) && contour_holds(delay) &&
-           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay);
+    // The error first: it takes a few samples, the limits all of them, and most time.
+    return error_holds(delay) && speed_holds(delay) && contour_holds(delay) &&
+           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_);
+  }
+
+  /// Whether a longer delay may hold where this one does not. If the legs do not turn back, the corner becomes only
+  /// slower.
+  bool longer_may_hold(int delay) const {
+    if (!(corner_.speed_min > 0.0)) return true;
+    double along = 0.0;
+    for (std::size_t a = 0; a < legs_.in.size(); ++a) along += legs_.in[a] * legs_.out[a];
+    const Corner& g = corner_.geometry();
+    return along < -1e-12 * g.feed_in * g.feed_out || speed_holds(delay);
   }
 
   /// The cheapest part of it.

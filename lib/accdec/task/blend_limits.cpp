@@ -119,6 +119,18 @@ double still_speed(const double* in, const double* out, std::size_t axes) {
 
 }  // namespace
 
+namespace {
+
+/// Whether no limit of the axis is of another kind than velocity, acceleration and jerk.
+bool limits_motion_only(const Axis& axis) {
+  return std::ranges::all_of(axis_limits, [&](const AxisLimit& limit) {
+    return limit.kind == LimitKind::velocity || limit.kind == LimitKind::acceleration ||
+           limit.kind == LimitKind::jerk || axis.*limit.bound >= unlimited;
+  });
+}
+
+}  // namespace
+
 bool BlendLimits::sample_holds(std::size_t a, double in, double out, int delay, int k, double slack,
                                double still) const {
   const Axis& axis = machine_.axes[a];
@@ -145,6 +157,7 @@ AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, 
 }
 
 bool BlendLimits::holds(const double* in, const double* out, int delay, double slack, int* hint) const {
+  if (any_delay_holds(in, out, delay)) return true;
   return axes_hold(in, out, delay, slack, hint) && residuals_hold(in, out, delay, slack);
 }
 
@@ -174,16 +187,34 @@ bool BlendLimits::axes_hold(const double* in, const double* out, int delay, doub
     }
   }
   for (const std::size_t a : limited_) {
-    const Axis& axis = machine_.axes[a];
-    const double v1 = in[a], v2 = out[a];
-    AxisSampler sampler(axis, period_, still);
-    for (int k = 0; k <= last; ++k) {
-      if (accdec::holds(axis, state(sampler, axis, v1, v2, delay, k, still), slack)) continue;
-      if (hint != nullptr) *hint = k;
-      return false;
-    }
+    const int broken = first_broken(machine_.axes[a], in[a], out[a], delay, last, slack, still);
+    if (broken < 0) continue;
+    if (hint != nullptr) *hint = broken;
+    return false;
   }
   return supply_holds(in, out, delay, slack, still);
+}
+
+int BlendLimits::first_broken(const Axis& axis, double in, double out, int delay, int last, double slack,
+                              double still) const {
+  if (limits_motion_only(axis)) {
+    // The same at a fraction of the time. Between the legs no axis is faster than on the faster one.
+    if (std::max(std::abs(in), std::abs(out)) > axis.velocity_max * slack) return 0;
+    const double step_max = axis.acceleration_max * slack * period_,
+                 change_max = axis.jerk_max * slack * period_ * period_;
+    double before = 0.0;
+    for (int k = 0; k <= last; ++k) {
+      const double step = out * filter_.tap(k - 1 - delay) - in * filter_.tap(k - 1);
+      if (std::abs(step) > step_max || std::abs(step - before) > change_max) return k;
+      before = step;
+    }
+    return -1;
+  }
+  AxisSampler sampler(axis, period_, still);
+  for (int k = 0; k <= last; ++k) {
+    if (!accdec::holds(axis, state(sampler, axis, in, out, delay, k, still), slack)) return k;
+  }
+  return -1;
 }
 
 bool BlendLimits::supply_holds(const double* in, const double* out, int delay, double slack, double still) const {

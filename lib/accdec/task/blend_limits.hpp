@@ -52,6 +52,8 @@ class BlendLimits {
   /// @param still  m/s, up to which an axis stands still
   bool sample_holds(std::size_t axis, double in, double out, int delay, int sample, double slack, double still) const;
   bool axes_hold(const double* in, const double* out, int delay, double slack, int* hint) const;
+  /// The first sample at which an axis breaks a limit; -1: none.
+  int first_broken(const Axis& axis, double in, double out, int delay, int last, double slack, double still) const;
   bool supply_holds(const double* in, const double* out, int delay, double slack, double still) const;
   /// Modes of axes: what a leg that starts or stops leaves, and what both leave together.
   bool residuals_hold(const double* in, const double* out, int delay, double slack) const;

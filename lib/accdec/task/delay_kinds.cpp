@@ -121,7 +121,10 @@ class KindChoice {
       if (!names(kinds_, free)) continue;
       const int last = given.value_or(last_);
       for (int d = least_.of(j); d <= last && !late_; ++d) {
-        if (!holds(j, d)) continue;
+        if (!holds(j, d)) {
+          if (!checks_[j].longer_may_hold(d)) break;
+          continue;
+        }
         const bool stops = d >= least_.apart() && names(kinds_, DelayKind::exact_stop);
         return {d, stops ? DelayKind::exact_stop : free};
       }

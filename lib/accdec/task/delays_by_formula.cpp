@@ -94,6 +94,7 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
     for (;;) {
       if (stop && stop()) return std::nullopt;
       if (check.holds(delays[j])) break;
+      if (!check.longer_may_hold(delays[j])) return std::nullopt;
       cost += linear.delay[j];
       if (++delays[j] > last || cost >= samples) return std::nullopt;
     }

@@ -224,6 +224,8 @@ struct BranchAndBound {
   /// For tasks where equal corners are merged (equal_corners.hpp): the proof's corner for every corner of the task. The
   /// proof's corners are numbered in the order of their first members. Empty: all as in the task.
   std::vector<int> corner_of{};
+  /// The proof is about the task's filter and the control's smoothing behind it as one filter, of any taps.
+  bool smoothed = false;
   std::vector<Multipliers> multipliers;
   std::vector<Lemma> lemmas;
   std::vector<Node> tree;
