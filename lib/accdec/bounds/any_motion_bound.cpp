@@ -7,6 +7,7 @@
 
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/kernel_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/bounds/plane_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
@@ -19,7 +20,8 @@ namespace {
 
 constexpr std::size_t programs_max = 600;  // linear programs
 constexpr std::size_t plane_programs_max = 12'000;
-constexpr double cell_ratio = 1.05;  // of one length of windows to the next
+constexpr double kernel_work_max = 2.5e8;  // s, about 3e-9 times this
+constexpr double cell_ratio = 1.05;        // of one length of windows to the next
 constexpr int widenings_max = 24;
 
 /// Blocks that go straight on at one feed.
@@ -49,6 +51,8 @@ class AnyMotionBound {
         machine_(machine),
         time_limit_(time_limit),
         slack_(spline_slack(machine, sample_period)),
+        swing_times_(machine, path.dimensions()),
+        kernel_work_left_(planes ? kernel_work_max : 0.1 * kernel_work_max),
         plane_programs_left_(planes ? plane_programs_max : 0),
         planes_(machine, path.dimensions(), [this] {
           return plane_programs_left_ > 0 && plane_programs_left_-- > 0 && seconds_since(start_) < time_limit_;
@@ -160,7 +164,9 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, true));
+    best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, &swing_times_));
+    const auto time_left = [this] { return seconds_since(start_) < time_limit_; };
+    best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, kernel_work_left_, time_left));
     if (plane_programs_left_ == 0) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
@@ -243,6 +249,8 @@ class AnyMotionBound {
   const double time_limit_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   SplineSlack slack_;
+  const SwingTimes swing_times_;
+  double kernel_work_left_;
   std::vector<double> radius_;  // m, of every block's tube
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
