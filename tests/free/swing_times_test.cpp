@@ -1,4 +1,4 @@
-// What ways to and fro take at least, beside motions that are integrated here.
+// The least times of ways to and fro, beside motions that are integrated here.
 
 #include <algorithm>
 #include <cmath>

@@ -16,7 +16,7 @@ double way_at(std::size_t i) {
   return std::ldexp(1.0 + static_cast<double>(part) / per_octave, first_octave + octave);
 }
 
-/// Of a concave function with the value 0 at 0; between steps on the chord, which is below it.
+/// A concave function with the value 0 at 0; between steps on the chord, which is below it.
 double on_chords(const std::vector<double>& values, double way) {
   if (way < way_at(0)) return values[0] * way / way_at(0);
   int exponent = 0;
