@@ -156,6 +156,22 @@ TEST(DesignBehindAServo, NonlinearSolversDesignBehindIt) {
   }
 }
 
+/// Blends of a mode of an axis are rows at given delays: as fast as the proved optimum but for a few samples.
+TEST(DesignOfModes, NonlinearSolversKnowWhatBlendsLeave) {
+  Task task = everyday();
+  task.machine.modes = {{38.0, 46.0, 1.0, 0.02, 0.1, 0, 20e-6}};
+  task.corners[0] = plane_corner("A", 95.0, 25.0, 0.1, 0.1);
+  task.corners[0].error_max = 50e-6;
+  const DesignResult best = proved(task);
+  DesignOptions nonlinear;
+  nonlinear.method = Method::nlp, nonlinear.time_limit = 60.0;
+  const DesignResult local = design_task(task, nonlinear);
+  ASSERT_EQ(local.status, Status::feasible) << local.message;
+  EXPECT_TRUE(verify_result(local, {}).accepted);
+  EXPECT_GE(local.objective(), best.objective() - 1e-9);
+  EXPECT_LE(local.objective(), best.objective() + 3e-3);
+}
+
 /// Settings and families for axes that differ: every member is simulated in another way here.
 TEST(DesignBehindAServo, SettingsForAxesThatDifferAreTheBestOfTheirFamily) {
   Task task = with_gain(everyday(), 200.0);
