@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -249,6 +250,13 @@ TEST(DesignBehindAServo, AxesThatDifferAreDesignedAndVerified) {
     const Task slowest = with_gain(task, std::min(200.0, other));
     EXPECT_LE(result.objective(), design_task(slowest, options).objective() + 10e-3) << other;
   }
+  // At 100 mm/s and 45 degrees the lags differ by 0.1 (1/120 - 1/200) cos(45 deg) m along the axes.
+  Task bent = with_gain(everyday(), 200.0);
+  bent.machine.axes[1].servo_gain = 120.0;
+  bent.corners[0] = plane_corner("A", 95.0, 45.0, 0.1, 0.1);
+  const double off = 0.1 * (1.0 / 120.0 - 1.0 / 200.0) / 2.0;
+  bent.corners[0].contour_max = 0.99 * off;
+  EXPECT_THAT(design_task(bent).message, HasSubstr(fmt::format("leave the line of a leg by {:.4g} um", 1e6 * off)));
   const DesignResult undershoots = design_task(with_taps(everyday(), {1.3, -0.3}));
   EXPECT_EQ(undershoots.status, Status::feasible) << undershoots.message;
   EXPECT_TRUE(verify_result(undershoots, {}).accepted);
