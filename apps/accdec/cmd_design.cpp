@@ -118,6 +118,9 @@ void run(const DesignArguments& arguments, Context& context) {
   const Task task = read_task(arguments.task, {.response = Considered::any});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
+  const bool compared = Response(task.machine, task.sample_period).averages();
+  if (arguments.baselines && !compared)
+    throw std::invalid_argument("--baselines needs response_taps >= 0: families are searched by formulas");
 
   DesignOptions options = asked_options(arguments, task, context.quiet);
   options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
@@ -141,9 +144,6 @@ void run(const DesignArguments& arguments, Context& context) {
   }
   const auto left = [&] { return arguments.time_limit - seconds_since(began); };
   std::optional<study::BaselineTable> table;
-  const bool compared = Response(task.machine, task.sample_period).common();
-  if (arguments.baselines && !compared)
-    throw std::invalid_argument("--baselines needs one response of all axes without negative taps");
   if (arguments.baselines) {
     table = full_table(task, result, options, left());
   } else if (compared && result.filter && !task.filter && !result.settings && (shown || task.baseline)) {

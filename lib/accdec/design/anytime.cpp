@@ -174,7 +174,6 @@ class Anytime {
   }
 
   void local(const std::string& solver, double share) {
-    if (!Response(task_.machine, task_.sample_period).ideal()) return;  // nonlinear solvers do not know it
     if (over() || close_enough()) return;
     // In less time local solvers find nothing, least where corners share a filter, and the exact method needs the time.
     const double least = task_.corners.size() > 1 ? 0.5 : 0.2;

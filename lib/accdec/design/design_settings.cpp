@@ -12,9 +12,11 @@
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/design_settings.hpp>
+#include <accdec/design/differing_servos.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
@@ -100,7 +102,8 @@ void compare_with_taps(const DesignOptions& options, double seconds, DesignResul
   any.settings.reset();
   DesignOptions most = options;
   most.time_limit = seconds;
-  const DesignResult taps = design_anytime(any, most);
+  const bool common = Response(any.machine, any.sample_period).common();
+  const DesignResult taps = common ? design_anytime(any, most) : design_differing(any, most);
   if (taps.has_design()) result.free_taps = std::min(taps.objective(), result.objective());
   if (!taps.lower_bound || !taps.certificate || !result.certificate) return;
   const auto* tree = std::get_if<proof::BranchAndBound>(&taps.certificate->proof);

@@ -43,6 +43,10 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
   const Cascade narrowest(std::span(&taps, 1), 0, 0);
   const Response response(task.machine, task.sample_period);
   std::optional<Filter> motion;
+  if (!response.common()) {
+    for (const TaskCorner& corner : task.corners) least_delays_.push_back(corner.delay.value_or(0));
+    return;
+  }
   if (!response.ideal()) motion = response.motion(make_filter({.kind = Shape::boxcar, .order = taps - 1}));
   const int last = motion ? motion->order() + 1 : taps;
   for (const TaskCorner& corner : task.corners) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <accdec/corner.hpp>
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task.hpp>
 #include <accdec/task/blend_limits.hpp>
@@ -30,9 +31,9 @@ int last_delay(const Task& task, int motion_order);
 /// Checks one corner's blend for one delay after another.
 class BlendCheck {
  public:
-  /// @param filter  of the motion: behind the machine's response  @param limits  of the designed filter
-  BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
-      : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
+  /// @param behind  the designed filter behind the machine's response  @param limits  of the designed filter
+  BlendCheck(const FilterBehind& behind, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
+      : behind_(behind), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
   bool holds(int delay) {
     // The error first: it takes a few samples, the limits all of them, and most time.
@@ -53,24 +54,24 @@ class BlendCheck {
   /// The cheapest part of it.
   bool error_holds(int delay) const {
     if (!corner_.error_max) return true;
-    const double error = corner_error(Blend(filter_, corner_.geometry(), delay, period_));
+    const double error = corner_error(behind_, corner_.geometry(), delay, period_);
     return judged_distance(error) <= *corner_.error_max * formula_slack;
   }
 
  private:
   bool contour_holds(int delay) const {
     if (!corner_.contour_max) return true;
-    const double deviation = measure(Blend(filter_, corner_.geometry(), delay, period_)).contour_deviation;
+    const double deviation = measure(behind_, corner_.geometry(), delay, period_).contour_deviation;
     return judged_distance(deviation) <= *corner_.contour_max * formula_slack;
   }
   bool speed_holds(int delay) const {
     if (!(corner_.speed_min > 0.0)) return true;
-    const int last = filter_.order() + delay + settling;
+    const int last = behind_.longest_order() + delay + settling;
     for (int k = 0; k <= last; ++k) {
-      const double remaining = filter_.remaining(k), gone = filter_.cumulative(k - delay);
       double speed_squared = 0.0;
       for (std::size_t a = 0; a < legs_.in.size(); ++a) {
-        const double v = legs_.in[a] * remaining + legs_.out[a] * gone;
+        const Filter& motion = behind_.motion(a);
+        const double v = legs_.in[a] * motion.remaining(k) + legs_.out[a] * motion.cumulative(k - delay);
         speed_squared += v * v;
       }
       if (corner_.speed_min > std::sqrt(speed_squared) * formula_slack) return false;
@@ -78,7 +79,7 @@ class BlendCheck {
     return true;
   }
 
-  const Filter& filter_;
+  const FilterBehind& behind_;
   const TaskCorner& corner_;
   double period_;
   const BlendLimits& limits_;

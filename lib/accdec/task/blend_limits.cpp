@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/blend_limits.hpp>
@@ -22,7 +23,12 @@ BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sa
   }
   for (const Mode& mode : machine.modes) {
     if (!mode.of_axis()) continue;
-    residuals_.push_back({&mode, residual_utilisation(filter_, 0.0, 1.0, 0, period_, mode).utilisation});
+    const auto at_end = [&](double f) {
+      return residual_amplitude(filter_, 0.0, 1.0, 0, f, period_, mode.damping_low) / mode.displacement_max;
+    };
+    residuals_.push_back({&mode,
+                          residual_utilisation(filter_, 0.0, 1.0, 0, period_, mode).utilisation,
+                          {at_end(mode.frequency_low), at_end(mode.frequency_high)}});
     slowest_ = std::max(slowest_, static_cast<int>(std::min(1e6, std::ceil(1.0 / (mode.frequency_low * period_)))));
   }
 }
@@ -161,17 +167,48 @@ bool BlendLimits::holds(const double* in, const double* out, int delay, double s
   return axes_hold(in, out, delay, slack, hint) && residuals_hold(in, out, delay, slack);
 }
 
+namespace {
+
+/// Speed that two legs give a mode together, by the rest of leg 1's swing after the delay and the angle it turned by.
+double together(double v1, double v2, double rest, double cosine) {
+  return std::sqrt(std::max(0.0, v2 * v2 + rest * v1 * (rest * v1 - 2.0 * v2 * cosine)));
+}
+
+/// The largest cosine from one angle to a larger one.
+double largest_cosine(double from, double to) {
+  constexpr double turn = 2.0 * std::numbers::pi;
+  return std::floor(to / turn) > std::floor(from / turn) || from <= 0.0 ? 1.0 : std::max(std::cos(from), std::cos(to));
+}
+
+/// An upper bound of that speed over a mode's ranges.
+double together_most(const Mode& mode, double v1, double v2, double seconds) {
+  const double low = 2.0 * std::numbers::pi * mode.frequency_low * seconds,
+               high = 2.0 * std::numbers::pi * mode.frequency_high * seconds;
+  const double from = low * std::sqrt(1.0 - mode.damping_high * mode.damping_high),
+               to = high * std::sqrt(1.0 - mode.damping_low * mode.damping_low);
+  const double cosine =
+      v1 * v2 > 0.0 ? -largest_cosine(from + std::numbers::pi, to + std::numbers::pi) : largest_cosine(from, to);
+  // The square is convex in what is left of leg 1's swing.
+  return std::max(together(v1, v2, std::exp(-mode.damping_low * low), cosine),
+                  together(v1, v2, std::exp(-mode.damping_high * high), cosine));
+}
+
+}  // namespace
+
 bool BlendLimits::residuals_hold(const double* in, const double* out, int delay, double slack) const {
   return std::ranges::all_of(residuals_, [&](const Residual& residual) {
     const auto a = static_cast<std::size_t>(residual.mode->axis);
     const double v1 = in[a], v2 = out[a];
     const Mode& mode = *residual.mode;
     if (v1 == 0.0 || v2 == 0.0) return std::max(std::abs(v1), std::abs(v2)) * residual.of_one <= slack;
-    if ((std::abs(v1) + std::abs(v2)) * residual.of_one <= slack) return true;
+    const double seconds = delay * period_;
+    if (together_most(mode, v1, v2, seconds) * residual.of_one <= slack) return true;
     // Most delays that fail do so at an end of the ranges.
-    for (const double f : {mode.frequency_low, mode.frequency_high}) {
-      if (residual_amplitude(filter_, v1, v2, delay, f, period_, mode.damping_low) > slack * mode.displacement_max)
-        return false;
+    for (const bool end : {false, true}) {
+      const double swing = 2.0 * std::numbers::pi * (end ? mode.frequency_high : mode.frequency_low) * seconds;
+      const double turned = swing * std::sqrt(1.0 - mode.damping_low * mode.damping_low);
+      const double legs = together(v1, v2, std::exp(-mode.damping_low * swing), std::cos(turned));
+      if (legs * residual.at_end[end ? 1 : 0] > slack * (1.0 + 1e-12)) return false;
     }
     return residual_utilisation(filter_, v1, v2, delay, period_, mode).utilisation <= slack;
   });

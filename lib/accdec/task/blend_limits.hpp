@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <accdec/filter.hpp>
@@ -74,7 +75,8 @@ class BlendLimits {
   std::vector<std::size_t> limited_;         // axes with any limit
   struct Residual {
     const Mode* mode;
-    double of_one;  // use by a start to 1 m/s
+    double of_one;                 // largest use by a start to 1 m/s
+    std::array<double, 2> at_end;  // the same at either end of the frequencies, with the least damping
   };
   std::vector<Residual> residuals_;  // of modes of axes
   int slowest_ = 0;                  // samples that the slowest of them swings once
