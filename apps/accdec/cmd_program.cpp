@@ -35,8 +35,7 @@ namespace {
 
 constexpr const char* no_per_leg =
     "plan per-leg was removed: it was not faster than plan fixed with a filter that suits the program; leave out "
-    "[filter] "
-    "to have one designed";
+    "[filter] to have one designed";
 
 struct ProgramArguments {
   std::string program, task, json, delays, samples, emit, dwell_axis, figure, stream;
