@@ -103,7 +103,7 @@ void add_optima(CLI::App& app, Context& context) {
                    "Folder for optima.csv, .md, .svg, .png, TASK-filters.svg, .png and manifest.json")
       ->required()
       ->type_name("DIR");
-  command->add_option("--time-limit", arguments->time_limit, "seconds for each design")
+  command->add_option("--time-limit", arguments->time_limit, "Seconds for each design")
       ->check(positive_number())
       ->capture_default_str();
   command

@@ -193,7 +193,7 @@ nfev : int
 task : Task
 )";
 
-constexpr const char* recheck_doc = R"(What an independent recheck of a result found; true where it is accepted.
+constexpr const char* recheck_doc = R"(The outcome of an independent recheck of a result; true if it is accepted.
 
 Attributes
 ----------
@@ -201,9 +201,9 @@ accepted : bool
 reasons : list of str
     Why not; empty when accepted.
 proof : str
-    What was checked of the lower bound; empty without one.
+    The part of the lower bound that was checked, in words; empty without one.
 verification : dict
-    Of the simulation run now.
+    The findings of the simulation run now.
 )";
 
 void bind_recheck(py::module_& module) {
