@@ -118,6 +118,9 @@ void run(const DesignArguments& arguments, Context& context) {
   const Task task = read_task(arguments.task, {.response = Considered::any});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
+  const bool compared = Response(task.machine, task.sample_period).averages();
+  if (arguments.baselines && !compared)
+    throw std::invalid_argument("--baselines needs response_taps >= 0: families are searched by formulas");
 
   DesignOptions options = asked_options(arguments, task, context.quiet);
   options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
@@ -141,9 +144,6 @@ void run(const DesignArguments& arguments, Context& context) {
   }
   const auto left = [&] { return arguments.time_limit - seconds_since(began); };
   std::optional<study::BaselineTable> table;
-  const bool compared = Response(task.machine, task.sample_period).common();
-  if (arguments.baselines && !compared)
-    throw std::invalid_argument("--baselines needs one response of all axes without negative taps");
   if (arguments.baselines) {
     table = full_table(task, result, options, left());
   } else if (compared && result.filter && !task.filter && !result.settings && (shown || task.baseline)) {
@@ -177,10 +177,10 @@ void add_design(CLI::App& app, Context& context) {
                    "exact: proved shortest (default); nlp: by a nonlinear solver (ipopt unless --solver names one)")
       ->check(one_of({"exact", "nlp"}));
   command->add_option("--solver", arguments->solver,
-                      "nonlinear solver to use (see `accdec solvers`); implies --method nlp");
+                      "Nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command
       ->add_option("--time-limit", arguments->time_limit,
-                   "seconds for the whole command (default 600); then the best design so far is the answer. With "
+                   "Seconds for the whole command (default 600); then the best design so far is the answer. With "
                    "--baselines the design gets a third of them, the tables the rest")
       ->type_name("SECONDS")
       ->capture_default_str()
@@ -188,33 +188,33 @@ void add_design(CLI::App& app, Context& context) {
   command
       ->add_option(
           "--gap", arguments->gap,
-          "stop when the design is proved to be this close to the shortest time, for example 1% or 0.01 (default 0)")
+          "Stop when the design is proved to be this close to the shortest time, for example 1% or 0.01 (default 0)")
       ->check([](const std::string& text) {
         return fraction(text) ? std::string() : "must be from 0 to less than 100 %, as 1% or 0.01, got " + text;
       });
   command
       ->add_option(
           "--threads", arguments->threads,
-          "threads for proofs of several corners; design and proof do not depend on it (default: one per core)")
+          "Threads for proofs of several corners; design and proof do not depend on it (default: one per core)")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
-  command->add_option("--seed", arguments->seed, "seed of solvers that draw random numbers")
+  command->add_option("--seed", arguments->seed, "Seed of solvers that draw random numbers")
       ->check([](const std::string& text) {
         const bool whole = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
         // 19 digits always fit 64 bits.
         return whole && text.size() <= 19 ? std::string() : "must be a whole number from 0 to 10^19 - 1, got " + text;
       });
-  command->add_option("--option", arguments->native, "the solver's own option, NAME=VALUE; may be repeated");
+  command->add_option("--option", arguments->native, "The solver's own option, NAME=VALUE; may be repeated");
   const auto all =
       command->add_flag("--baselines", arguments->baselines,
-                        "search the best filters of common controllers to the end, at the task's sample period and at "
+                        "Search the best filters of common controllers to the end, at the task's sample period and at "
                         "a quarter of it. Without this option the search takes at most a second, at the task's period. "
                         "[baseline] in the task names the filter in use today");
-  command->add_flag("--no-baselines", arguments->no_baselines, "do not print this table")->excludes(all);
-  command->add_flag("--no-certificate", arguments->no_certificate, "leave the proof out of the result");
+  command->add_flag("--no-baselines", arguments->no_baselines, "Do not print this table")->excludes(all);
+  command->add_flag("--no-certificate", arguments->no_certificate, "Leave the proof out of the result");
   command
       ->add_option("--certificate-max", arguments->certificate_max,
-                   "leave a proof of more than this many MB out of the file (default 50)")
+                   "Leave a proof of more than this many MB out of the file (default 50)")
       ->check(number_between(0.0, 1e6));
   command->callback([arguments, command, &context] {
     arguments->solver_given = command->count("--solver") > 0;

@@ -55,9 +55,9 @@ void add_evaluate(CLI::App& app, Context& context) {
   add_json_option(*command, options->json);
   auto* radius = command
                      ->add_option("--circle-radius-mm", options->circle_radius_mm,
-                                  "also print the radius error of a circle with this radius")
+                                  "Also print the radius error of a circle with this radius")
                      ->check(positive_number());
-  auto* feed = command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "feed along this circle")
+  auto* feed = command->add_option("--circle-feed-mm-min", options->circle_feed_mm_min, "Feed along this circle")
                    ->check(positive_number());
   radius->needs(feed);
   feed->needs(radius);

@@ -24,7 +24,7 @@ struct ExplainArguments {
 };
 
 void run(const ExplainArguments& arguments, Context& context) {
-  const Task task = read_task(arguments.task, {.response = Considered::common});
+  const Task task = read_task(arguments.task, {.response = Considered::any});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
   ExplainOptions options;
@@ -56,20 +56,20 @@ void add_explain(CLI::App& app, Context& context) {
       app.add_subcommand("explain", "Show which limits bind, and what more room for each saves or makes possible");
   command->add_option("task", arguments->task, "Task file")->required()->type_name("TASK.toml");
   add_json_option(*command, arguments->json);
-  command->add_option("--by", arguments->by, "how far to relax each limit, for example 10% or 0.1 (default 10 %)")
+  command->add_option("--by", arguments->by, "How far to relax each limit, for example 10% or 0.1 (default 10 %)")
       ->check([](const std::string& text) {
         const auto share = fraction(text);
         return share && *share > 0.0 ? std::string() : "must be above 0 and below 100 %, as 10% or 0.1, got " + text;
       });
-  command->add_flag("--verbose", arguments->verbose, "name the samples at which limits are used to the full");
+  command->add_flag("--verbose", arguments->verbose, "Name the samples at which limits are used to the full");
   command
       ->add_option("--time-limit", arguments->time_limit,
-                   "seconds for the whole command (default 300); then the answers so far are printed")
+                   "Seconds for the whole command (default 300); then the answers so far are printed")
       ->type_name("SECONDS")
       ->check(positive_number());
   command
       ->add_option("--design-time-limit", arguments->design_time_limit,
-                   "seconds of processor time for each single design (default 10)")
+                   "Seconds of processor time for each single design (default 10)")
       ->type_name("SECONDS")
       ->check(positive_number());
   command->callback([arguments, &context] { run(*arguments, context); });

@@ -60,7 +60,7 @@ std::string start_of(const ExploreArguments& arguments, const Context& context) 
                                        [&](const std::string& line) { status.tell(line); });
   }
   const bool given = !arguments.file.empty();
-  const Task task = given ? read_task(arguments.file, {.response = Considered::common})
+  const Task task = given ? read_task(arguments.file, {.response = Considered::any})
                           : parse_task(machine_file(first_machine).text, std::string(first_machine));
   explore::require_small(task.corners.size());
   if (given) warn(task, arguments.file, context);
@@ -108,10 +108,10 @@ void add_explore(CLI::App& app, Context& context) {
       ->type_name("TASK.toml");
   command
       ->add_option("--free", arguments->free_seconds,
-                   "seconds for plan free of a program, which is shown beside the others (default: not planned)")
+                   "Seconds for plan free of a program, which is shown beside the others (default: not planned)")
       ->type_name("SECONDS")
       ->check(positive_number());
-  command->add_flag("--no-browser", arguments->no_browser, "print the address of the page and open no browser");
+  command->add_flag("--no-browser", arguments->no_browser, "Print the address of the page and open no browser");
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

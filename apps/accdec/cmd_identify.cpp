@@ -103,7 +103,7 @@ void add_identify(CLI::App& app, Context& context) {
       ->type_name("LOG.csv");
   command
       ->add_option("--task", options->task,
-                   "Task with the sample period. If it names families, only these are tried. If it has [controller] "
+                   "Task with the sample period. All families are tried, whatever it names. If it has [controller] "
                    "prefilter_taps, the filter found is the one in front of them")
       ->required()
       ->type_name("TASK.toml");

@@ -72,11 +72,11 @@ const MachineFile& machine_file(std::string_view name) {
 void add_init(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<InitArguments>();
   CLI::App* command = app.add_subcommand("init", "Write a commented task to start from");
-  command->add_option("--machine", arguments->machine, "kind of machine, see --list (default mill)")
+  command->add_option("--machine", arguments->machine, "Kind of machine, see --list (default mill)")
       ->check(one_of(names()));
   add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
-  command->add_flag("--list", arguments->list, "list the kinds of machines and write nothing");
-  command->add_flag("--force", arguments->force, "replace an existing file");
+  command->add_flag("--list", arguments->list, "List the kinds of machines and write nothing");
+  command->add_flag("--force", arguments->force, "Replace an existing file");
   command->callback([arguments, &context] { run(*arguments, context); });
 }
 

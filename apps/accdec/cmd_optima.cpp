@@ -32,10 +32,10 @@ struct OptimaArguments {
 void run(const OptimaArguments& arguments, Context& context) {
   // Everything is read before anything is computed: a bad tenth file must not cost the time of the first nine.
   std::vector<Task> tasks;
-  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path, {.response = Considered::common}));
+  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path, {.response = Considered::any}));
   Task finer;
   if (!arguments.growth.empty()) {
-    finer = read_task(arguments.growth, {.response = Considered::common});
+    finer = read_task(arguments.growth, {.response = Considered::any});
     if (finer.corners.size() != 1)
       throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
   }
@@ -103,7 +103,7 @@ void add_optima(CLI::App& app, Context& context) {
                    "Folder for optima.csv, .md, .svg, .png, TASK-filters.svg, .png and manifest.json")
       ->required()
       ->type_name("DIR");
-  command->add_option("--time-limit", arguments->time_limit, "seconds for each design")
+  command->add_option("--time-limit", arguments->time_limit, "Seconds for each design")
       ->check(positive_number())
       ->capture_default_str();
   command

@@ -35,8 +35,7 @@ namespace {
 
 constexpr const char* no_per_leg =
     "plan per-leg was removed: it was not faster than plan fixed with a filter that suits the program; leave out "
-    "[filter] "
-    "to have one designed";
+    "[filter] to have one designed";
 
 struct ProgramArguments {
   std::string program, task, json, delays, samples, emit, dwell_axis, figure, stream;
@@ -297,7 +296,7 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
       ->check(one_of({"A", "B", "C", "U", "V", "W"}));
   add_output_option(command, "--figure", options.figure,
                     "Draw the path with its errors and speeds, the delays, the speed over time with the limits that "
-                    "bind, and where time is lost: .svg, .png or .pdf; .html is a page with zoom");
+                    "bind, and where time is lost. The ending is .svg, .png or .pdf; .html makes a page with zoom");
   add_view_option(command, options.view);
   add_output_option(command, "--stream", options.stream,
                     "With --plan profiles or free: write the positions, one line per cycle, - for standard output");

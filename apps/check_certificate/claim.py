@@ -55,8 +55,7 @@ def _design(result, problem):
 
 
 def _target(result, problem, bound, proved):
-    """Samples that no design is shorter than, by the result's bound and what its certificate proves; None: there is no
-    design."""
+    """Samples that no design takes less than, by result and certificate; None: there is no design."""
     if result["status"] == "infeasible":
         refuse_if(proved is not None, "the certificate proves a bound, not that nothing exists")
         return None
@@ -89,18 +88,18 @@ def _branch_and_bound(result, problem, certificate):
     for got, known, what in zip(asked, (problem.objective, WIDER - 1, problem.runs), ("objective", "limits", "runs")):
         refuse_if(got != known, f"the certificate is about other {what} than the task")
     target = _target(result, problem, "lower_bound_s", certificate["bound_samples"])
+    searched, more = problems.together(problem) if certificate.get("smoothed") else (problem, 0)
+    end = None if target is None else target + more
     if certificate.get("corner_of"):
-        problem = problems.merge(problem, certificate["corner_of"])
-    leaves = Tree(problem, certificate, target).leaves
-    words = f"no design of order {problem.order_max} or less keeps all limits"
-    if target is not None:
-        words = f"no {problem.objective} time is shorter than {float(target * problem.period):.9g} s"
-    return f"{leaves} parts refuted: {words}"
+        searched = problems.merge(searched, certificate["corner_of"])
+    leaves = Tree(searched, certificate, end).leaves
+    if target is None:
+        return f"{leaves} parts refuted: no design of order {problem.order_max} or less keeps all limits"
+    return f"{leaves} parts refuted: no {problem.objective} time is shorter than {float(target * problem.period):.9g} s"
 
 
 def _families(result, problem, certificate):
-    named = "family" in result["task"].get("design", {})
-    refuse_if(not named, "the certificate is about families, the task names none")
+    refuse_if("family" not in result["task"].get("design", {}), "a certificate about families, the task names none")
     target = _target(result, problem, "family_bound_s", certificate["bound_samples"])
     refuted = families.refute(problem, result["task"], target)
     counted = sum(whole(members) for _, _, members in certificate["refuted"])

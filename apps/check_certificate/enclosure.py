@@ -1,5 +1,4 @@
-"""Enclosures: numbers, or lists of numbers, each between two rationals of denominator 2^BITS, in whole numbers rounded
-outwards. No floating point takes part. Also why proofs are not accepted, and numbers of a file."""
+"""Enclosures: numbers, or lists of them, each between two whole multiples of 2^-BITS. Why proofs are not accepted."""
 from fractions import Fraction
 from itertools import accumulate, repeat
 from math import isqrt

@@ -142,8 +142,7 @@ def _corner(table, axes):
         name=table.get("name", ""), feed_in=feed_in, feed_out=feed_out, part_in=part_in, part_out=part_out,
         speed_in=[x * feed_in for x in part_in], speed_out=[x * feed_out for x in part_out], cosine=cosine, sine=sine,
         error=error, contour=contour, speed_min=number(table.get("speed_min_mm_s", 0)) / 1000 / WIDER,
-        delay=None if delay is None else whole(delay, 0), weight=weight,
-    )
+        delay=None if delay is None else whole(delay, 0), weight=weight)
 
 
 def _mode(table, names):
@@ -174,8 +173,7 @@ def read(task):
         smoothing=_taps(control.get("prefilter_taps", [1])), servo=_servo(axes, period),
         order_min=max(whole(design.get("order_min", 1)), 0), order_max=whole(design.get("order_max", 400)),
         symmetric=design.get("symmetric", False) is True,
-        objective=design.get("objective", "cycle"), runs=number(design.get("runs", 1)),
-    )
+        objective=design.get("objective", "cycle"), runs=number(design.get("runs", 1)))
     refuse_if(min(period, problem.runs, fastest) <= 0, "the task has no corner, or no period or runs above zero")
     refuse_if(problem.objective not in ("cycle", "corner"), f"the objective {problem.objective!r}", NotCovered)
     problem.response = convolved(problem.smoothing, problem.servo)
@@ -207,3 +205,12 @@ def merge(problem, corner_of):
         merged[kind].weight += corner.weight
     problem.corners = merged
     return problem
+
+
+def together(problem):
+    """The filter and the control's smoothing as one filter, which may be any; and what that costs more."""
+    taps, longer, one = problem.smoothing, len(problem.smoothing.lo) - 1, copy(problem)
+    one.smoothing, one.response = _taps([1]), problem.servo
+    one.order_min, one.order_max = problem.order_min + longer, problem.order_max + longer
+    one.symmetric = problem.symmetric and (taps.lo, taps.hi) == (taps.lo[::-1], taps.hi[::-1])
+    return one, problem.filter_cost * longer

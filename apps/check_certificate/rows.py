@@ -3,8 +3,8 @@ the part of the search that it is asked for; README.md of lib/accdec/certificate
 from functools import lru_cache
 from math import floor
 
-from enclosure import (ONE, PI, Enclosure, NotCovered, Refused, exact, exponential, number, refuse_if,
-                       square_root, turned, whole)
+from enclosure import (ONE, PI, Enclosure, NotCovered, Refused, exact, number, refuse_if, square_root, turned,
+                       whole)
 from tube import Plant, tube
 
 

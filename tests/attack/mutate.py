@@ -78,6 +78,11 @@ def mutate(rng, result):
         return forged
     if rng.random() < 0.2:
         return _contradict(rng, forged)
+    return change_places(rng, forged)
+
+
+def change_places(rng, forged):
+    """One to three places of a result changed or taken away."""
     places = [p for p in _paths(forged) if p and p[0] != "task"]
     # Certificates have most of the places; the rest is to have its share.
     outside = [p for p in places if p[0] != "certificate"]

@@ -35,20 +35,25 @@ def motion_of(task, corner, command):
     axes = task["axis"] * 2 if len(task["axis"]) == 1 else task["axis"]
     columns = []
     for i, axis in enumerate(axes):
-        if "servo_gain_1_s" in axis:
-            gain, ahead = axis["servo_gain_1_s"], axis.get("velocity_feedforward", 0.0)
-            columns.append(machine.follow(command.velocity[:, i], command.period, gain, ahead))
-        else:
-            columns.append(np.cumsum(command.velocity[:, i]) * command.period)
+        columns.append(followed(axis, command.velocity[:, i], command.period))
     position = np.column_stack(columns)
     velocity = np.diff(position, axis=0, prepend=0.0) / command.period
     return position - command.way, velocity
 
 
+def followed(axis, velocity, period):
+    """Positions of an axis behind its servo, or its measured response, if it has any."""
+    if "servo_gain_1_s" in axis:
+        return machine.follow(velocity, period, axis["servo_gain_1_s"], axis.get("velocity_feedforward", 0.0))
+    moved = machine.delayed_sum(velocity, axis["response_taps"]) if "response_taps" in axis else velocity
+    return np.cumsum(moved) * period
+
+
 def rest_of(task):
     """Samples after which nothing of a servo's tail is left that counts."""
     gains = [axis["servo_gain_1_s"] for axis in task["axis"] if "servo_gain_1_s" in axis]
-    return math.ceil(30.0 / (min(gains) * task["sample_period_ms"] / 1e3)) + 4 if gains else 4
+    rest = math.ceil(30.0 / (min(gains) * task["sample_period_ms"] / 1e3)) if gains else 0
+    return max(rest, *(len(axis.get("response_taps", [])) for axis in task["axis"]), 0) + 4
 
 
 def contour_of(corner, path):

@@ -23,6 +23,12 @@ def task_of(rng):
     if len(task["axis"]) == 1 and "servo_gain_1_s" in axis and rng.random() < 0.5:  # axes that differ
         slower = max(1.0, axis["servo_gain_1_s"] * rng.uniform(0.6, 1.0))
         task["axis"] = [{"name": "x", **axis}, {"name": "y", **axis, "servo_gain_1_s": slower}]
+    for axis in task["axis"]:
+        if "response_taps" in axis:  # programs have averaging responses only
+            taps = [max(tap, 0.0) for tap in axis["response_taps"]]
+            axis["response_taps"] = [tap / math.fsum(taps) for tap in taps]
+        if "mass_kg" in axis and rng.random() < 0.3:
+            axis["force_rms_N"] = axis["force_max_N"] * rng.uniform(0.5, 1.0)
     period, at, heading = task["sample_period_ms"], np.zeros(2), rng.uniform(0.0, 2.0 * math.pi)
     filter_way = corner["feed_in_mm_min"] / 6e4 * period * 20.0  # mm
     lines = ["G90 G61.1" if rng.random() < 0.1 else "G90 G64"]
@@ -69,9 +75,7 @@ class Command:
 
 def motion_of(task, command):
     axes = task["axis"] * 2 if len(task["axis"]) == 1 else task["axis"]
-    columns = [machine.follow(column, command.period, axis["servo_gain_1_s"], axis.get("velocity_feedforward", 0.0))
-               if "servo_gain_1_s" in axis else np.cumsum(column) * command.period
-               for axis, column in zip(axes, command.velocity.T)]
+    columns = [moved.followed(axis, column, command.period) for axis, column in zip(axes, command.velocity.T)]
     position = np.column_stack(columns)
     return position + command.points[0], np.diff(position, axis=0, prepend=0.0) / command.period
 
@@ -84,7 +88,9 @@ def check_errors(task, result, command, position, order):
     for b, reached, waits in command.joints:
         kind, said = result["commands"]["joint"][b], result["commands"]["error_m"][b]
         part = position[math.floor(reached + 1e-9):math.ceil(reached - 1e-9) + waits + order + 2]
-        found = np.linalg.norm(part - command.points[b + 1], axis=1).min()
+        # A servo's tail may last until a later move comes back here: any end of the window behind the filter's counts.
+        least = np.minimum.accumulate(np.linalg.norm(part - command.points[b + 1], axis=1))[waits + command.order + 1:]
+        found = least[np.abs(least - said).argmin()]
         if kind in "sl":
             found = moved.polyline_of(part - command.points[b + 1])
         moved.same(f"error of joint {b}", said, found, 2.0 * moved.LEAST)
@@ -171,7 +177,9 @@ def check_limits(task, result, command, velocity):
         for load in result["axis_loads"]:
             force = drives.asked[:, "xy".index(load["axis"])]
             moved.same("peak of the force", load["force_peak_N"], np.abs(force).max(), 1e-6)
-            moved.same("force", load["force_rms_N"], math.sqrt((force**2).sum() / result["samples"]), 1e-6)
+            rms = math.sqrt((force**2).sum() / result["samples"])
+            moved.same("force", load["force_rms_N"], rms, 1e-6)
+            moved.within("force", rms, drives.axes["xy".index(load["axis"])].get("force_rms_N", math.inf))
     for (kind, axis), column in values.items():
         said = said_of(result, kind, axis)
         if said:
@@ -189,7 +197,7 @@ def check(task, result):
         raise moved.Differs(f"{result['samples']} samples are said, {command.samples} are commanded")
     position, velocity = motion_of(task, command)
     position = np.vstack([command.points[:1], position])  # sample 0 is the start
-    servo = any("servo_gain_1_s" in axis for axis in task["axis"])
+    servo = any("servo_gain_1_s" in axis or "response_taps" in axis for axis in task["axis"])
     check_errors(task, result, command, position, command.order + (rest if servo else 0))
     check_contour(task, result, command, position)
     check_modes(task, result, command)

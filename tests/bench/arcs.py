@@ -5,16 +5,15 @@ Arcs on the exact path and with a tolerance, beside references that are computed
 reference is the least time along the path, by forward and backward integration of the squared speed. With one it is a
 tangential S-curve: speed, acceleration and jerk along the path are constants, the best that keep every axis' limits.
 """
-import argparse
-import json
 import math
 import pathlib
-import subprocess
 import tempfile
 
 import numpy as np
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
+import free_pages
+from free_pages import SOURCE
+
 FEED, VELOCITY, ACCELERATION, JERK = 100.0, 200.0, 1000.0, 50000.0  # mm, s
 T = 1e-3
 
@@ -183,23 +182,18 @@ def cases():
 
 def files(folder, text, jerk):
     """The program and its task."""
-    program, task = folder / "arcs.ngc", folder / "task.toml"
+    program = folder / "arcs.ngc"
     program.write_text(text)
-    task.write_text(f"sample_period_ms = {1e3 * T:g}\n" + "".join(
-        f'[[axis]]\nname = "{axis}"\nvelocity_max_mm_s = {VELOCITY:g}\nacceleration_max_mm_s2 = {ACCELERATION:g}\n'
-        + (f"jerk_max_mm_s3 = {JERK:g}\n" if jerk else "") for axis in "xyz"))
-    return program, task
+    return program, free_pages.task_file(folder, VELOCITY, ACCELERATION, JERK if jerk else 0)
 
 
 def planned(accdec, folder, text, jerk, seconds):
+    """fixed, free, and the bound for any motion: s."""
     program, task = files(folder, text, jerk)
-    result, times = folder / "r.json", []
+    times = []
     for plan in ("fixed", "free"):
-        subprocess.run([accdec, "program", program, "--task", task, "--plan", plan, "--time-limit", str(seconds),
-                        "--json", result, "--quiet"], check=True, capture_output=True)
-        document = json.loads(result.read_text())
-        times.append(document["cycle_time_s"])
-    bound = max(b["time_s"] for b in document["bounds"] if b["name"] != "monotone legs")
+        found, bound = free_pages.planned(accdec, folder, program, task, plan, seconds)
+        times.append(found["cycle_time_s"])
     return times + [bound]
 
 
@@ -223,11 +217,7 @@ rounds them and has to slow down for that.
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("accdec", nargs="?", default=str(SOURCE / "build/release/apps/accdec"))
-    parser.add_argument("--seconds", type=float, default=10)
-    parser.add_argument("--out", type=pathlib.Path, default=SOURCE / "results/program/arcs.md")
-    options = parser.parse_args()
+    options = free_pages.options(__doc__, "arcs.md", 10)
     text = HEAD % (VELOCITY, 60 * FEED, ACCELERATION, 1e3 * T, options.seconds)
     with tempfile.TemporaryDirectory() as folder:
         for jerk in (False, True):

@@ -82,6 +82,44 @@ TEST(CliControllers, SetsOfATaskMayDifferByStage) {
   EXPECT_EQ(run({"verify", result}).code, 0);
 }
 
+/// The first stage keeps its step, the second has times of its own.
+TEST(CliControllers, AStageAloneMayHaveASet) {
+  const TemporaryFolder folder;
+  const std::string task = folder.write(
+      "task.toml",
+      "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\nlength_max_ms = 18\nlength_set_2_ms = [5, 10, 20]\n"
+      "[controller]\ndelays = \"exact-stop\"\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n"
+      "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  const std::string result = folder.path("result.json");
+  int least = 1000;
+  for (int a = 1; a <= 18; ++a) {
+    for (const int b : {1, 5, 10, 20}) {
+      if (0.1 / (std::max(a, b) * 1e-3) <= 6.0 && 0.1 / (a * b * 1e-6) <= 500.0 * (1.0 + 1e-9))
+        least = std::min(least, a + b - 1);
+    }
+  }
+  const Outcome designed = run({"design", task, "--json", result, "--no-baselines"});
+  EXPECT_EQ(designed.code, 0) << designed.err;
+  EXPECT_THAT(designed.out, HasSubstr(std::to_string(2 * least - 1) + " ms a corner, proved best"));
+  EXPECT_EQ(run({"verify", result}).code, 0);
+}
+
+/// The time ends long before all members are looked at. The message still has the limit and the nearest member.
+TEST(CliControllers, TimeThatEndsLeavesAReason) {
+  const TemporaryFolder folder;
+  const std::string task = folder.write(
+      "task.toml",
+      "sample_period_ms = 1.0\n[design]\nfamily = \"exponential\"\norder_max = 20000\ntime_constant_step_ms = 0.2\n"
+      "[[axis]]\nacceleration_max_mm_s2 = 6000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"
+      "error_max_um = 0.001\n[[mode]]\nfrequency_Hz = 40\nresidual_max = 0\n");
+  const Outcome designed = run({"design", task, "--no-baselines", "--time-limit", "4"});
+  EXPECT_NE(designed.code, 0);
+  const std::string all = designed.out + designed.err;
+  EXPECT_THAT(all, HasSubstr("no setting of finite exponentials that holds all limits was found in the time given"));
+  EXPECT_THAT(all, HasSubstr("the closest found in the time given, an exponential of "));
+  EXPECT_THAT(all, HasSubstr("breaks "));
+}
+
 /// Filters of 10 ms accelerate an axis at 100 mm/s by 10000 mm/s^2 or more, and 6000 are allowed.
 TEST(CliControllers, FamiliesWithoutAMemberThatHoldsAreRefusedAtTheirPlace) {
   const TemporaryFolder folder;

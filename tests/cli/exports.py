@@ -91,6 +91,31 @@ class Exports(unittest.TestCase):
         self.assertEqual(told["limits"][1]["used"], worst)
         self.assertEqual(told["limits"][4]["frequency_Hz"], [100, 110])
 
+    def test_settings_are_in_every_format(self):
+        text = ("sample_period_ms = 1\n[controller]\nname = 'sinumerik-840d'\ndelays = 'in-position'\n[[axis]]\n"
+                f"acceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n[[corner]]\nname = 'A'\n{corner}")
+        settings = made(text, "settings.toml", "settings.json")["settings"]
+        values = [(v["name"], v["value"]) for v in settings["values"]]
+        self.assertEqual([name.split()[0] for name, _ in values], ["MD32410", "MD32411"])
+        width = settings["width_m"]
+        for form in ("c", "m", "st", "q15", "q31", "linuxcnc-comp"):
+            told = dict(re.findall(r"set: (.*?) = (\S+)", export(form, "settings.json").decode()))
+            self.assertEqual([(n, float(told[n])) for n, _ in values], values, form)
+            self.assertAlmostEqual(float(told["in-position width"]), 1e6 * width, delta=1e-8 * width * 1e6)
+            self.assertEqual((told["family"], told["delay of corner A"]), ("averages", "in-position"), form)
+        rows = [r for r in csv.reader(line[2:] for line in export("csv", "settings.json").decode().splitlines()
+                                      if line.startswith("# ")) if r[0] == "set"]
+        told = {name: value for _, name, where, value, _ in rows if not where}
+        self.assertEqual([(n, float(told[n])) for n, _ in values], values)
+        self.assertIn(["set", "delay", "A", "in-position", ""], rows)
+        (folder / "settings.npy").write_bytes(export("npy", "settings.json"))
+        with open(folder / "settings.npy", "rb") as file:
+            about = [numpy.load(file) for _ in range(3)][2].item()
+        for told in (*(json.loads(export(form, "settings.json")) for form in ("json", "cascade")), json.loads(about)):
+            self.assertEqual([(v["name"], v["value"]) for v in told["settings"]], values)
+            self.assertEqual((told["family"], told["corners"][0]["delay_by"]), ("averages", "in-position"))
+            self.assertEqual(told["in_position_width_m"], width)
+
     def test_csv(self):
         text = export("csv").decode()
         self.same_taps(numpy.loadtxt(io.StringIO(text), delimiter=",", skiprows=1)[:, 1])

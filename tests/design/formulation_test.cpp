@@ -4,6 +4,8 @@
 #include <accdec/design/formulation.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/task/contradictions.hpp>
+#include <accdec/task/simulation.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 
@@ -79,6 +81,56 @@ TEST(MarginProblem, RowsHoldExactlyWhenTheUtilisationsDo) {
   }
   EXPECT_GT(held, 200);
   EXPECT_GT(broken, 200);
+}
+
+/// Smoothing, a servo of all axes, servos that differ, or an undershoot of one axis.
+void give_response(Task& task, int kind) {
+  if (kind == 0) task.machine.prefilter_taps = {0.2, 0.5, 0.3};
+  for (Axis& axis : task.machine.axes) axis.servo_gain = kind > 0 ? 300.0 : unlimited, axis.velocity_feedforward = 0.4;
+  if (kind == 2) task.machine.axes[1].servo_gain = 150.0;
+  if (kind == 3) {
+    task.machine.axes[0].servo_gain = unlimited, task.machine.axes[0].velocity_feedforward = 0.0;
+    task.machine.axes[0].response_taps = {0.4, 0.9, -0.2, -0.1};
+  }
+}
+
+/// Behind a response, too: all uses are the simulation's, which convolves and knows no formula of the rows.
+TEST(MarginProblem, RowsBehindAResponseHoldExactlyWhenTheSimulationDoes) {
+  std::mt19937 rng(29);
+  int held = 0, broken = 0;
+  for (int round = 0; round < 600; ++round) {
+    Task task = random_task(rng, 1);
+    task.sample_period = 5e-3;
+    give_response(task, round % 4);
+    if (round % 3 == 0) task.machine.modes = {{40.0, 40.0, 1.0, 0.05, 0.05, 0, 60e-6}};
+    if (!contradictions(task).empty()) continue;
+    const int order = 5 + static_cast<int>(rng() % 40), delay = static_cast<int>(rng() % static_cast<unsigned>(order));
+    std::vector<double> taps;
+    for (int i = 0; i <= order; ++i) taps.push_back(std::min(i, order - i) + 1.0);
+    const Filter filter{taps};
+    std::vector<LimitUse> uses;
+    verify_by_simulation(task, filter, {delay}, &uses);
+    double worst = 0.0, error = 0.0;
+    int nearest = 0;
+    for (const LimitUse& use : uses) {
+      (use.kind == LimitKind::corner_error ? error : worst) =
+          std::max(use.utilisation, use.kind == LimitKind::corner_error ? 1.0 : worst);
+      if (use.kind == LimitKind::corner_error) nearest = static_cast<int>(use.sample);
+    }
+    if (std::abs(worst - 1.0) < 1e-6) continue;
+    for (const bool reduced : {false, true}) {
+      FormulationOptions options = options_for(task, order, {delay}, reduced);
+      options.mode_blends = true;
+      const MarginProblem problem(task, options, std::vector<int>{nearest});
+      const std::vector<double> x = problem.start_from(filter);
+      const double v = violation(problem, x);
+      EXPECT_EQ(worst < 1.0, v < 1e-9) << "round " << round << " worst use " << worst << " violation " << v;
+      EXPECT_NEAR(std::sqrt(x[static_cast<std::size_t>(problem.sigma())]), error, 1e-9 * error) << "round " << round;
+    }
+    ++(worst < 1.0 ? held : broken);
+  }
+  EXPECT_GT(held, 50);
+  EXPECT_GT(broken, 50);
 }
 
 TEST(MarginProblem, SigmaIsTheSquaredErrorUse) {
@@ -177,6 +229,7 @@ TEST(Formulations, DerivativesAgreeWithDifferences) {
     Task task = random_task(rng, 2);
     task.machine.modes = {{40.0, 50.0, 0.1}};
     task.design.symmetric = round % 4 == 0;
+    if (round >= 4) task.sample_period = 5e-3, give_response(task, round % 4);
     const int order = 2 + static_cast<int>(rng() % 12);
     const Filter filter = random_filter(rng, order);
     const std::vector<double> delays{0.31 + static_cast<double>(rng() % 5), 2.77};

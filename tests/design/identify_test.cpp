@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -107,7 +110,8 @@ TEST(Identify, SaysHowFarNeighboursAreBehind) {
         identify(simulated(a, straight_legs, noise, seed), task_of(), {.noise = noise, .sigmas = 8.0});
     right += found.fits.front().filter.lengths == std::vector<int>{22, 22} ? 1 : 0;
     for (const FittedFilter& fit : found.fits) {
-      if (fit.filter.lengths == std::vector<int>{23, 21}) mean += fit.sigmas * fit.sigmas / logs;
+      const bool averages = fit.family == SettingFamily::averages;
+      if (averages && fit.filter.lengths == std::vector<int>{23, 21}) mean += fit.sigmas * fit.sigmas / logs;
     }
   }
   // The difference of both sums of squares has the mean sigmas^2 and the standard deviation 2 sigmas.
@@ -135,6 +139,114 @@ TEST(Identify, AnswersTapsWhereNoFamilyFits) {
   const Identification exact = identify(simulated(taps, straight_legs, 0.0, 4), task_of());
   ASSERT_EQ(exact.fits.front().filter.taps.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(exact.fits.front().filter.taps[i], taps[i], 1e-5);
+}
+
+/// Taps by a family's definition, of sum 1.
+std::vector<double> taps_by(int count, const std::function<double(int)>& tap) {
+  std::vector<double> taps;
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) taps.push_back(tap(i)), sum += taps.back();
+  for (double& b : taps) b /= sum;
+  return taps;
+}
+
+/// Impulses behind taps.
+std::vector<double> echoed(const std::vector<double>& taps, const std::vector<double>& weights, int apart) {
+  return taps_by(static_cast<int>(taps.size() + (weights.size() - 1) * static_cast<std::size_t>(apart)), [&](int i) {
+    double sum = 0.0;
+    for (int m = 0; m < static_cast<int>(weights.size()); ++m) {
+      const int at = i - m * apart;
+      if (at >= 0 && at < static_cast<int>(taps.size()))
+        sum += weights[static_cast<std::size_t>(m)] * taps[static_cast<std::size_t>(at)];
+    }
+    return sum;
+  });
+}
+
+/// A log's filter by its definition, and what is to be found.
+struct KnownFilter {
+  std::string name;
+  SettingFamily family;
+  std::vector<double> taps;
+  std::vector<int> lengths{};  ///< of averages
+  double delay = 0.0;          ///< samples between impulses
+  double constant = 0.0;       ///< time constant, samples
+};
+
+std::vector<KnownFilter> known_filters() {
+  const auto gaussian = [](int i) { return std::exp(-0.5 * std::pow(2.2 * (i - 16.5) / 16.5, 2)); };
+  const auto sinc = [](int i) {
+    const double turn = std::numbers::pi * (i - 22) / 22, x = 2.0 * std::numbers::pi * 0.012 * (i - 22);
+    return (0.42 + 0.5 * std::cos(turn) + 0.08 * std::cos(2.0 * turn)) * (i == 22 ? 1.0 : std::sin(x) / x);
+  };
+  const double root = std::sqrt(2.0);
+  return {{"averages", SettingFamily::averages, taps_of({19, 12, 5}), {19, 12, 5}},
+          {"exponential",
+           SettingFamily::exponential,
+           taps_by(34, [](int i) { return std::exp(-i / 20.0); }),
+           {},
+           0.0,
+           20.0},
+          {"gaussian", SettingFamily::gaussian, taps_by(34, gaussian)},
+          {"sinc", SettingFamily::windowed_sinc, taps_by(45, sinc)},
+          {"zv", SettingFamily::shaper, echoed(taps_of({9}), {1.0, 1.0}, 14), {9}, 14.0},
+          {"zvd", SettingFamily::shaper, echoed(taps_of({11, 4}), {1.0, 2.0, 1.0}, 13), {11, 4}, 13.0},
+          {"mzv", SettingFamily::shaper, echoed(taps_of({7}), {1.0, root, 1.0}, 10), {7}, 10.0},
+          {"ei", SettingFamily::shaper, echoed(taps_of({8}), {1.05, 1.9, 1.05}, 12), {8}, 12.0}};
+}
+
+/// At 100 mm/s and noise of 0.1 um; the task asks for a design of another family, which says nothing of the log.
+TEST(Identify, FindsEveryFamilyWhateverTheTaskDesigns) {
+  Task task = task_of();
+  task.settings = ControllerSettings{};
+  task.settings->stages.resize(1);
+  for (const KnownFilter& known : known_filters()) {
+    const bool averages = known.family == SettingFamily::averages;
+    task.settings->families = {averages ? SettingFamily::gaussian : SettingFamily::averages};
+    const Identification found = identify(simulated(known.taps, straight_legs, 1e-7, 11), task);
+    const FittedFilter& best = found.fits.front();
+    ASSERT_EQ(best.family, known.family) << known.name << ": " << best.rms << " m, taps " << found.taps.rms << " m";
+    const Filter filter = make_filter(best.filter);
+    ASSERT_EQ(filter.order() + 1, static_cast<int>(known.taps.size())) << known.name;
+    // A tap is a second difference of positions of 0.1 um each; the family averages over many.
+    for (int i = 0; i <= filter.order(); ++i)
+      EXPECT_NEAR(filter.tap(i), known.taps[static_cast<std::size_t>(i)], 1e-3) << known.name << " " << i;
+    if (!known.lengths.empty()) {
+      EXPECT_EQ(best.filter.lengths, known.lengths) << known.name;
+    }
+    EXPECT_EQ(best.filter.pair_delay, known.delay) << known.name;
+    if (known.constant > 0.0) {
+      EXPECT_NEAR(best.time_constant, known.constant * period, 0.01 * known.constant * period);
+    }
+  }
+}
+
+/// An average of 12 with impulses 12 samples apart is one of 24: one answer, not two.
+TEST(Identify, SaysTheSameFilterOnce) {
+  const Identification found =
+      identify(simulated(taps_of({24}), straight_legs, 1e-6, 12), task_of(), {.noise = {}, .sigmas = 6.0});
+  EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{24}));
+  for (std::size_t i = 0; i < found.fits.size(); ++i) {
+    const Filter one = make_filter(found.fits[i].filter);
+    for (std::size_t j = 0; j < i; ++j) {
+      const Filter other = make_filter(found.fits[j].filter);
+      double most = one.order() == other.order() ? 0.0 : 1.0;
+      for (int k = 0; most < 1.0 && k <= one.order(); ++k) most = std::max(most, std::abs(one.tap(k) - other.tap(k)));
+      EXPECT_GT(most, 1e-9);
+    }
+  }
+}
+
+TEST(Identify, ImpulsesMayBeBetweenSamples) {
+  const std::vector<double> nine = taps_of({9});
+  std::vector<double> taps(9 + 14, 0.0);  // half now, half 13.4 samples later
+  for (std::size_t i = 0; i < 9; ++i) {
+    taps[i] += 0.5 * nine[i], taps[i + 13] += 0.5 * 0.6 * nine[i], taps[i + 14] += 0.5 * 0.4 * nine[i];
+  }
+  const Identification found = identify(simulated(taps, straight_legs, 1e-8, 13), task_of());
+  ASSERT_EQ(found.fits.front().family, SettingFamily::shaper);
+  EXPECT_NEAR(found.fits.front().filter.pair_delay, 13.4, 0.01);
+  EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{9}));
 }
 
 TEST(Identify, FindsWhatIsInFrontOfTheSmoothingOfTheControl) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -122,13 +123,82 @@ TEST(DesignBehindAServo, DelaysOfAGivenFilterAreTheSmallest) {
   EXPECT_FALSE(verify_result(longer, {}).accepted);
 }
 
-TEST(DesignBehindAServo, RefusesWhatNoMethodCovers) {
-  Task task = with_gain(everyday(), 200.0);
+/// Every shorter delay, simulated, breaks a limit, and the checker sees a longer one.
+TEST(DesignBehindAServo, DelaysOfAGivenFilterAreProvedForAnyAxes) {
+  Task differ = with_gain(everyday(), 200.0), swings = with_taps(everyday(), {0.7, 0.6, -0.2, -0.1});
+  differ.machine.axes[1].servo_gain = 140.0;
+  for (Task task : {differ, swings}) {
+    task.filter = FilterSpec{.kind = Shape::trapezoid, .order = 30, .ramp = 12};
+    const DesignResult result = proved(task);
+    ASSERT_TRUE(result.has_design());
+    for (int d = 0; d < result.corners[0].delay; ++d)
+      EXPECT_FALSE(verify_by_simulation(task, *result.filter, {d}).feasible) << d;
+    DesignResult longer = result;
+    longer.corners[0].delay += 1;
+    EXPECT_FALSE(verify_result(longer, {}).accepted);
+  }
+}
+
+/// A nonlinear solver knows the response: as fast as the proved optimum but for a few samples.
+TEST(DesignBehindAServo, NonlinearSolversDesignBehindIt) {
+  Task smoothed = with_gain(everyday(), 200.0);
+  smoothed.machine.prefilter_taps = {0.25, 0.5, 0.25};
+  for (const Task& task : {with_gain(everyday(), 200.0), smoothed}) {
+    DesignOptions nonlinear;
+    nonlinear.method = Method::nlp, nonlinear.time_limit = 60.0;
+    const DesignResult local = design_task(task, nonlinear);
+    ASSERT_EQ(local.status, Status::feasible) << local.message;
+    EXPECT_TRUE(verify_result(local, {}).accepted);
+    DesignOptions exact;
+    exact.time_limit = 30.0;
+    const DesignResult best = design_task(task, exact);
+    EXPECT_GE(local.objective(), *best.lower_bound - 1e-9);
+    EXPECT_LE(local.objective(), best.objective() + 3e-3);
+  }
+}
+
+/// Blends of a mode of an axis are rows at given delays: as fast as the proved optimum but for a few samples.
+TEST(DesignOfModes, NonlinearSolversKnowWhatBlendsLeave) {
+  Task task = everyday();
+  task.machine.modes = {{38.0, 46.0, 1.0, 0.02, 0.1, 0, 20e-6}};
+  task.corners[0] = plane_corner("A", 95.0, 25.0, 0.1, 0.1);
+  task.corners[0].error_max = 50e-6;
+  const DesignResult best = proved(task);
   DesignOptions nonlinear;
-  nonlinear.method = Method::nlp;
-  EXPECT_THROW(design_task(task, nonlinear), std::invalid_argument);
-  task.machine.axes[1].servo_gain = 100.0;
-  EXPECT_THROW(design_task(task, nonlinear), std::invalid_argument);
+  nonlinear.method = Method::nlp, nonlinear.time_limit = 60.0;
+  const DesignResult local = design_task(task, nonlinear);
+  ASSERT_EQ(local.status, Status::feasible) << local.message;
+  EXPECT_TRUE(verify_result(local, {}).accepted);
+  EXPECT_GE(local.objective(), best.objective() - 1e-9);
+  EXPECT_LE(local.objective(), best.objective() + 3e-3);
+}
+
+/// Settings and families for axes that differ: every member is simulated in another way here.
+TEST(DesignBehindAServo, SettingsForAxesThatDifferAreTheBestOfTheirFamily) {
+  Task task = with_gain(everyday(), 200.0);
+  task.machine.axes[1].servo_gain = 140.0;
+  task.settings =
+      ControllerSettings{.families = {SettingFamily::averages}, .stages = {SettableStage{}, SettableStage{}}};
+  const DesignResult result = design_task(task);
+  ASSERT_EQ(result.status, Status::feasible) << result.message;
+  EXPECT_THAT(result.message, HasSubstr("respond differently"));
+  EXPECT_TRUE(verify_result(result, {}).accepted);
+  double least = 1.0;
+  for (int first = 1; first <= 40; ++first) {
+    for (int second = 1; second <= first; ++second) {
+      const FilterSpec spec{.kind = Shape::averages, .lengths = {first, second}};
+      const Filter filter = make_filter(spec);
+      if (!verify_by_simulation(task, filter, {filter.order() + 300}).feasible) continue;
+      for (int d = 0; 1e-3 * (filter.order() + 1 + d) < least - 1e-9; ++d) {
+        if (verify_by_simulation(task, filter, {d}).feasible) least = 1e-3 * (filter.order() + 1 + d);
+      }
+    }
+  }
+  EXPECT_NEAR(result.objective(), least, 1e-9);
+  task.settings.reset();
+  EXPECT_NEAR(best_member(task, *find_family("trapezoid")).result.objective(), least, 1e-9);
+  task.machine.axes[0].servo_gain = unlimited;
+  task.machine.axes[0].response_taps = {1.25, -0.25};
   task.settings = ControllerSettings{.families = {SettingFamily::averages}, .stages = {SettableStage{}}};
   EXPECT_THROW(design_task(task), std::invalid_argument);
 }
@@ -180,6 +250,13 @@ TEST(DesignBehindAServo, AxesThatDifferAreDesignedAndVerified) {
     const Task slowest = with_gain(task, std::min(200.0, other));
     EXPECT_LE(result.objective(), design_task(slowest, options).objective() + 10e-3) << other;
   }
+  // At 100 mm/s and 45 degrees the lags differ by 0.1 (1/120 - 1/200) cos(45 deg) m along the axes.
+  Task bent = with_gain(everyday(), 200.0);
+  bent.machine.axes[1].servo_gain = 120.0;
+  bent.corners[0] = plane_corner("A", 95.0, 45.0, 0.1, 0.1);
+  const double off = 0.1 * (1.0 / 120.0 - 1.0 / 200.0) / 2.0;
+  bent.corners[0].contour_max = 0.99 * off;
+  EXPECT_THAT(design_task(bent).message, HasSubstr(fmt::format("leave the line of a leg by {:.4g} um", 1e6 * off)));
   const DesignResult undershoots = design_task(with_taps(everyday(), {1.3, -0.3}));
   EXPECT_EQ(undershoots.status, Status::feasible) << undershoots.message;
   EXPECT_TRUE(verify_result(undershoots, {}).accepted);

@@ -2,7 +2,7 @@
 """LinuxCNC's filter found in its own logs, and the times of other programs predicted with it.
 
 1. A straight move in LinuxCNC without a filter gives the control's own smoothing (accdec identify --prefilter).
-2. The same move with a filter in the loop, of which `identify` is told only the family, gives the filter in front of it.
+2. The same move with a filter in the loop, of which `identify` is told nothing, gives the filter in front of it.
 3. Other programs are planned at their feeds with the filter found, and run in LinuxCNC with the one that is there. Their cycle times
    must be within 1 %.
 
@@ -107,7 +107,7 @@ def main():
         there = component(options.accdec, folder)
         linuxcnc(folder / "move.ngc", folder / "log.csv", there)
         timed(folder / "log.csv", folder / "log-timed.csv")
-        (folder / "task.toml").write_text(period + '[design]\nfamily = "averages"\nstages = 2\n' + table)
+        (folder / "task.toml").write_text(period + table)
         found, lengths = identify(options.accdec, folder / "log-timed.csv", folder / "task.toml")
         print("averages found:", lengths, "there:", THERE)
         failed = failed or lengths != THERE

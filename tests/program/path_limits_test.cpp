@@ -273,15 +273,16 @@ TEST_F(PathCommand, ResultsAreVerifiedByOtherFormulas) {
 }
 
 TEST_F(PathCommand, PlansThatDoNotConsiderTheKeysRefuseThem) {
+  const auto refused = [&](const std::string& plan, const std::string& named) {
+    EXPECT_NE(run("program part.ngc --task path.toml --plan " + plan).code, 0);
+    EXPECT_THAT(read("err"), HasSubstr(named));
+  };
   task(axis("x", "") + axis("y", ""), "contour_max_um = 30\n");
-  EXPECT_NE(run("program part.ngc --task path.toml --plan profiles").code, 0);
-  EXPECT_THAT(read("err"), HasSubstr("contour_max_um"));
+  refused("profiles", "contour_max_um");
   task(axis("x", "") + axis("y", ""), "[[mode]]\nfrequency_Hz = 45\naxis = \"y\"\nresidual_max_um = 8\n");
-  EXPECT_NE(run("program part.ngc --task path.toml --plan free").code, 0);
-  EXPECT_THAT(read("err"), HasSubstr("residual_max_um"));
+  refused("free", "residual_max_um");
   task(axis("x", "servo_gain_1_s = 250\n") + axis("y", "servo_gain_1_s = 180\n"), "");
-  EXPECT_NE(run("program part.ngc --task path.toml --plan profiles").code, 0);
-  EXPECT_THAT(read("err"), HasSubstr("servo_gain_1_s"));
+  refused("profiles", "servo_gain_1_s");
   task(axis("x", "response_taps = [1.2, -0.2]\n") + axis("y", ""), "");
   EXPECT_NE(run("program part.ngc --task path.toml").code, 0);
   EXPECT_THAT(read("err"), HasSubstr("path.toml:11:17: "));

@@ -47,7 +47,7 @@ TEST(SlowDown, KeepsTheToleranceInTheSimulatedStream) {
     for (const Filter& filter : {boxcar(40), hann(40), trapezoid(31, 8)}) {
       const Corner corner = planar_corner(angle * M_PI / 180.0, 0.3, Turn::left, 0.1, 0.1);
       const double full = corner_error(Blend(filter, corner, 0, period));
-      const SlowDown s = slow_down(filter, corner, period, 0.4 * full);
+      const SlowDown s = slow_down({filter, {}, 1e-3}, corner, period, 0.4 * full);
       EXPECT_NEAR(s.factor, 0.4, 1e-12);
       // Zones of half the filter on either side are enough: the error is the tolerance, no more.
       const int half = (filter.order() + 2) / 2;
@@ -60,9 +60,9 @@ TEST(SlowDown, KeepsTheToleranceInTheSimulatedStream) {
 TEST(SlowDown, CostsNothingInsideTheToleranceAndAnExactStopAtZero) {
   const Filter filter = boxcar(20);
   const Corner corner = planar_corner(1.5, 0.0, Turn::left, 0.1, 0.1);
-  EXPECT_EQ(slow_down(filter, corner, 1e-3, 1.0).factor, 1.0);
-  EXPECT_EQ(slow_down(filter, corner, 1e-3, 1.0).lost_time, 0.0);
-  const SlowDown stop = slow_down(filter, corner, 1e-3, 0.0);
+  EXPECT_EQ(slow_down({filter, {}, 1e-3}, corner, 1e-3, 1.0).factor, 1.0);
+  EXPECT_EQ(slow_down({filter, {}, 1e-3}, corner, 1e-3, 1.0).lost_time, 0.0);
+  const SlowDown stop = slow_down({filter, {}, 1e-3}, corner, 1e-3, 0.0);
   EXPECT_EQ(stop.factor, 0.0);
   EXPECT_NEAR(stop.lost_time, 21e-3, 1e-15);
 }
@@ -76,7 +76,7 @@ TEST(SlowDown, LosesMoreThanADelayWithLinearAccDec) {
   for (const double r : {0.1, 0.3, 0.6, 0.9}) {
     const int delay = DelayFinder(filter)(corner.cos_interior(), 0.1 * period, 0.1 * period, r * full);
     EXPECT_NEAR(delay / 401.0, 1.0 - std::sqrt(r), 3.0 / 401.0);
-    EXPECT_GE(slow_down(filter, corner, period, r * full).lost_time, delay * period);
+    EXPECT_GE(slow_down({filter, {}, 1e-3}, corner, period, r * full).lost_time, delay * period);
   }
 }
 

@@ -71,7 +71,7 @@ inline std::vector<Case> load_cases() {
        axis("name = \"a\"\njerk_max_mm_s3 = 5000\njerk_max_deg_s3 = 5000"),
        "9:19",
        {"both given", "allowed is either"}},
-      {"rotary_negative", axis("name = \"a\"\ninertia_kg_m2 = -1"), "8:17", {"0 < inertia_kg_m2"}},
+      {"rotary_negative", axis("name = \"a\"\ninertia_kg_m2 = -1"), "8:17", {"0 <= inertia_kg_m2"}},
       {"torque_without_inertia",
        axis("name = \"a\"\ntorque_max_N_m = 5"),
        "8:18",

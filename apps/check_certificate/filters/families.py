@@ -25,8 +25,7 @@ class Members:
         families = self.design["family"]
         for family in families if isinstance(families, list) else [families]:
             refuse_if(family not in LISTS, f"the family {family!r}", NotCovered)
-            for taps in LISTS[family](self):
-                taps = exact(taps)
+            for taps in map(exact, LISTS[family](self)):
                 if self.order_min < len(taps.lo) <= self.end:
                     yield family, taps
 
@@ -67,16 +66,15 @@ class Members:
         shaper, step = self.design.get("shaper", "zv"), self.design.get("shaper_frequency_step_Hz")
         weights, apart = IMPULSES[shaper], Fraction(375 if shaper == "mzv" else 500)  # thousandths of a period
         most = apart / number(step) / self.period if step else 0
-        for taps in self.averages():
+        for taps in map(exact, self.averages()):
             for delay in (max(1, most / m) for m in range(floor(most), 0, -1)) if step else count(1):
-                sums = [exact(0)] * (len(taps) + ceil((len(weights) - 1) * delay))
-                if len(sums) > self.end:
+                over, sums = ceil((len(weights) - 1) * delay), exact(0)
+                if len(taps.lo) + over > self.end:
                     break
-                for m, weight in enumerate(weights):
-                    x = m * Fraction(delay)
-                    for at, part in ((floor(x), 1 - x % 1), (ceil(x), x % 1)):
-                        for i, b in enumerate(taps if part else []):
-                            sums[i + at] += exact(weight) * part * b
+                for x, weight in ((m * Fraction(delay), weight) for m, weight in enumerate(weights)):
+                    for at, part in {(floor(x), 1 - x % 1), (ceil(x), x % 1 or 1)}:
+                        before, behind = Enclosure([0] * at), Enclosure([0] * (over - at))
+                        sums += before.then(taps * (exact(weight) * part)).then(behind)
                 yield sums
 
     def poles(self):
@@ -98,7 +96,8 @@ class Members:
 
     def exponentials(self):
         def taps(order, constant):
-            return [*accumulate([decay(constant / self.period)] * order, lambda a, b: a * b, initial=exact(1))]
+            each = exponential(-self.period / constant)
+            return [*accumulate([each] * order, lambda a, b: a * b, initial=exact(1))]
 
         return self._grid("time_constant_step_ms", self.period, lambda order: (self.order_max + 1) * self.period, taps)
 
@@ -137,11 +136,6 @@ LISTS = {"averages": Members.averages, "shaper": Members.shaped, "one-pole": Mem
 def mirrored(order, half):
     """Symmetric taps, from those of the middle on."""
     return half[:0:-1] + half if order % 2 == 0 else half[::-1] + half
-
-
-@lru_cache(None)
-def decay(samples):
-    return exponential(-1 / samples)
 
 
 @lru_cache(None)

@@ -1,4 +1,4 @@
-"""What a user writes, as the tables of a task file: single tables for lists of one, arrays for filters."""
+"""Arguments of users as the tables of a task file: single tables for lists of one, arrays for filters."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _WORDS: list[tuple[str, Union[str, Callable[[re.Match[str]], str]]]] = [
 
 
 def in_python_words(message: str, pointer: str = "", written: str = "") -> str:
-    """What a reader of task files says, in Python's words, with the place of an entry among several.
+    """A message of the reader of task files in Python's words, with the place of an entry among several.
 
     `pointer` is a JSON pointer in the JSON that was `written`.
     """

@@ -36,7 +36,7 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
     log : path or dict
         A table as `accdec identify` reads it, or the positions of every axis (m), one a sample period.
     task : Task, path or dict
-        With the sample period. If it names families, only these are tried. If it has prefilter_taps, the filter found
+        With the sample period. All families are tried, whatever it names. If it has prefilter_taps, the filter found
         is the one in front of them.
     noise : float, optional
         m, standard deviation of the positions. Default: what the best fit leaves.
@@ -45,9 +45,9 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
     -------
     dict
         fits: those that fit, the most likely first, each with family, filter (as a task takes it), rms (m), sigmas
-        behind the best, likelihood (0 for taps) and time_constant (s, of a pole). taps: any taps, likewise. noise (m).
-        moves: first sample, samples, last_step (part of the others that the last sample moves) and way (m) of each
-        leg. modelled: positions of the first fit (m), by axis.
+        behind the best, likelihood (0 for taps) and time_constant (s, of a pole or an exponential). taps: any taps,
+        likewise. noise (m). moves: first sample, samples, last_step (part of the others that the last sample moves)
+        and way (m) of each leg. modelled: positions of the first fit (m), by axis.
 
     Examples
     --------

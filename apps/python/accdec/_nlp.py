@@ -144,10 +144,10 @@ class Problem:
         return self._handle.start(arguments.whole("index", index, 0, 10**6), arguments.seed(seed))
 
     def check_derivatives(self, x: npt.ArrayLike, tolerance: float = 1e-6) -> list[str]:
-        """What of gradient, Jacobian and Hessian differs from extrapolated central differences; best empty.
+        """Entries of gradient, Jacobian and Hessian that differ from extrapolated central differences; best none.
 
-        Where a derivative jumps at x, as second derivatives do where an instant or a delay is a whole number of
-        samples, that of either side is right.
+        Second derivatives jump at x if an instant or a delay is a whole number of samples. The value of either side
+        counts as right.
         """
         return self._handle.check_derivatives(arguments.array("x", x),
                                               arguments.number("tolerance", tolerance, "must be > 0", 1e-300, 1.0))

@@ -1,4 +1,4 @@
-"""What notebooks and `help` show of tasks, results and programs."""
+"""Tasks, results and programs as notebooks and `help` show them."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ py::object part(const Explanation& explanation, const char* name) {
   return all.attr("get")(name, py::list());
 }
 
-constexpr const char* explanation_doc = R"(What stands in the way of a shorter design, or of any. Made by `explain`.
+constexpr const char* explanation_doc = R"(The limits that prevent a shorter design, or any design. Made by `explain`.
 
 Its text (`str`, `print`) is that of the command line. Levers are the numbers of a task that more room is given to, by
 their keys and in the units of a task file, as `Task.set` takes them.
@@ -82,13 +82,14 @@ result : Result
 proved : bool
     Its bound was rechecked: nothing is shorter, or no design exists.
 bindings : list of dict
-    Where limits are used to the full: kind, axis, corner, event, samples, bound (SI), frequency_Hz.
+    Places where limits are used to the full: kind, axis, corner, event, samples, bound (SI), frequency_Hz.
 gains : list of dict
-    What more room saves, most first: name, key, levers (name, key, value, relaxed), gain_s, gain_at_most_s (None:
+    Savings by more room, largest first: name, key, levers (name, key, value, relaxed), gain_s, gain_at_most_s (None:
     nothing is proved), objective_s, order, delays_samples, proved, solved.
 remedies : list of dict
-    Of an infeasible task the smallest change of each by itself that makes it feasible: name, key, helps ("yes", "no",
-    "unknown"), levers (name, key, value, enough), share, smallest (proved that less is not enough), objective_s.
+    If the task is infeasible: the smallest change of each lever that makes it feasible. Each has name, key, helps
+    ("yes", "no", "unknown"), levers (name, key, value, enough), share, objective_s, and smallest: whether it is proved
+    that less is not enough.
 complete : bool
     Everything was tried.
 )";

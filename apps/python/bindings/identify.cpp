@@ -19,9 +19,13 @@ namespace {
 /// The table [filter] of a task.
 py::dict filter_dict(const FilterSpec& spec) {
   py::dict table(py::arg("kind") = std::string(to_string(spec.kind)));
-  if (spec.kind == Shape::averages) table["lengths"] = spec.lengths;
-  if (spec.kind == Shape::exponential) table["order"] = spec.order, table["ratio"] = spec.ratio;
-  if (spec.kind == Shape::taps) table["taps"] = spec.taps;
+  const ShapeInfo& shape = info(spec.kind);
+  if (shape.has_order) table["order"] = spec.order;
+  if (shape.parameter)
+    std::visit([&](auto member) { table[py::str(std::string(shape.parameter->key))] = spec.*member; },
+               shape.parameter->member);
+  if (const ShaperInfo* shaper = shaper_of(spec))
+    table["shaper"] = std::string(shaper->name), table["shaper_delay"] = spec.pair_delay;
   return table;
 }
 

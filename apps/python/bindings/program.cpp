@@ -209,8 +209,8 @@ success : bool
     Every corner holds its tolerance and every limit is held over the whole program.
 message : str
 plan : str
-    "fixed": commands with one filter; "profiles": a motion with own filters and speeds at every corner, for controllers
-    that take a position every cycle; "free": any motion of samples, for the same controllers.
+    "fixed": commands with one filter. "profiles": a motion with a filter and a speed at every corner, for controllers
+    that take a position every cycle. "free": a motion whose every sample is chosen, for the same controllers.
 candidates : list of dict
     With ``plan="profiles"`` or ``"free"`` the plan made beside it: plan, cycle_time (s), verified.
 fun, cycle_time : float
@@ -233,8 +233,9 @@ lines : ndarray of int
 durations : ndarray
     s, way over feed of every commanded move.
 settings : dict or None
-    What to set in the task's controller, if the task names families: family, values, delays (the kind at the end of
-    every commanded move), width, width_low, width_high (m, None if no corner is in-position), answer (in words).
+    If the task names families, the values to enter in its controller: family, values, answer (in words), and delays:
+    the kind at the end of every commanded move. width, width_low and width_high (m) are None if no corner is
+    in-position.
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
@@ -243,9 +244,9 @@ servo : dict or None
 
 constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
 constexpr const char* page_doc =
-    "page()\n\nOne HTML page without network: the path in the colour of its speed, to zoom into, the limit that binds "
-    "over time, "
-    "and the time lost by classes of corners.";
+    "page()\n\nOne HTML page that needs no network. It shows the path in the colour of its speed, with zoom, the limit "
+    "that "
+    "binds over time, and the time lost by classes of corners.";
 constexpr const char* samples_doc =
     "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes. "
     "Behind a servo that is the command, and motion (m) is what the axes do.";

@@ -124,7 +124,7 @@ py::list keys() {
                                  "mip_gap", "mip_dual_bound", "nfev",         "outcome",      "stop",
                                  "order",   "delays",         "cycle_time",   "corner_time",  "corners",
                                  "limits",  "verification",   "solver",       "quantisation", "certificate",
-                                 "task",    "settings",       "family_bound", "free_taps"})
+                                 "task",    "settings",       "family_bound", "free_taps",    "answer"})
     list.append(name);
   return list;
 }
@@ -185,13 +185,15 @@ settings : dict or None
     corner), width, width_low, width_high (m, in-position), answer (a sentence).
 family_bound : float or None
     s; no member of the families is shorter, proved.
+answer : str
+    Sentences on what to set, as the program prints them first; empty if the task says nothing of a control.
 free_taps : float or None
     s; the best design known of free taps.
 nfev : int
 task : Task
 )";
 
-constexpr const char* recheck_doc = R"(What an independent recheck of a result found; true where it is accepted.
+constexpr const char* recheck_doc = R"(The outcome of an independent recheck of a result; true if it is accepted.
 
 Attributes
 ----------
@@ -199,9 +201,9 @@ accepted : bool
 reasons : list of str
     Why not; empty when accepted.
 proof : str
-    What was checked of the lower bound; empty without one.
+    The part of the lower bound that was checked, in words; empty without one.
 verification : dict
-    Of the simulation run now.
+    The findings of the simulation run now.
 )";
 
 void bind_recheck(py::module_& module) {
@@ -298,6 +300,7 @@ void bind_result(py::module_& module) {
       .def_property_readonly("settings", &settings_or_none)
       .def_property_readonly("family_bound", [](const DesignResult& r) { return r.family_bound; })
       .def_property_readonly("free_taps", [](const DesignResult& r) { return r.free_taps; })
+      .def_property_readonly("answer", [](const DesignResult& r) { return settings_answer(r); })
       .def_property_readonly("task", [](const DesignResult& r) { return std::make_shared<Task>(r.task); })
       .def("to_json", &result_to_json, "to_json()\n\nThe text of a result file.")
       .def(

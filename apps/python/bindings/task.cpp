@@ -124,13 +124,13 @@ std::string describe_task(const Task& task) {
                      task.filter ? to_string(task.filter->kind) : "open");
 }
 
-constexpr const char* task_doc = R"(What is to be designed, within which limits.
+constexpr const char* task_doc = R"(The corners to design, and the limits of the machine.
 
 Task(sample_period=..., axes=..., corners=..., modes=..., filter=..., order_max=..., ...)
 
-Fields are those of a task file. A name without a unit is in SI (angle in rad, feed_in in m/s, error_max in m,
-velocity_max in m/s, force_max in N); a name that ends in a unit is in that unit (angle_deg, feed_in_mm_min). What is
-None, and limits that are infinite, are as if not given. Tasks do not change: `replace` and `set` make new ones.
+Fields are those of a task file. A name without a unit is in SI: angle in rad, feed_in in m/s, error_max in m,
+velocity_max in m/s, force_max in N. A name that ends in a unit is in that unit (angle_deg, feed_in_mm_min). Fields that
+are None, and limits that are infinite, count as not given. Tasks do not change: `replace` and `set` make new ones.
 
 Parameters
 ----------
@@ -142,8 +142,8 @@ sample_period : float
     s.
 axes : dict or list of dict, optional
     velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
-    regeneration_max, force_speed_N ([[mm/s, N], ..]), force_rms (N, over a whole program), name, servo_gain (1/s) with velocity_feedforward, or
-    response_taps. One dict stands for every axis.
+    regeneration_max, force_speed_N ([[mm/s, N], ..]), force_rms (N, over a whole program), name, servo_gain (1/s) with
+    velocity_feedforward, or response_taps. One dict stands for every axis.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict

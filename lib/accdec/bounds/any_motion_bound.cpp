@@ -7,6 +7,7 @@
 
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/kernel_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/bounds/plane_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
@@ -19,7 +20,8 @@ namespace {
 
 constexpr std::size_t programs_max = 600;  // linear programs
 constexpr std::size_t plane_programs_max = 12'000;
-constexpr double cell_ratio = 1.05;  // of one length of windows to the next
+constexpr double kernel_work_max = 2.5e8;  // s, about 3e-9 times this
+constexpr double cell_ratio = 1.05;        // of one length of windows to the next
 constexpr int widenings_max = 24;
 
 /// Blocks that go straight on at one feed.
@@ -42,17 +44,27 @@ bool same(const TubeLeg& a, const TubeLeg& b) {
   return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
 }
 
+/// The work that may still be done.
+struct WorkLeft {
+  double time_limit = 0.0;  // s
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  std::size_t programs = 0, plane_programs_left = 0;
+  double kernel_work_left = 0.0;
+  bool time() const { return seconds_since(start) < time_limit; }
+};
+
 class AnyMotionBound {
  public:
   AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool planes)
       : path_(path),
         machine_(machine),
-        time_limit_(time_limit),
+        work_{.time_limit = time_limit,
+              .plane_programs_left = planes ? plane_programs_max : 0,
+              .kernel_work_left = planes ? kernel_work_max : 0.1 * kernel_work_max},
         slack_(spline_slack(machine, sample_period)),
-        plane_programs_left_(planes ? plane_programs_max : 0),
-        planes_(machine, path.dimensions(), [this] {
-          return plane_programs_left_ > 0 && plane_programs_left_-- > 0 && seconds_since(start_) < time_limit_;
-        }) {
+        swing_times_(machine, path.dimensions()),
+        planes_(machine, path.dimensions(),
+                [this] { return work_.plane_programs_left > 0 && work_.plane_programs_left-- > 0 && work_.time(); }) {
     slack_.wider += path.narrowed;
     make_tube();
   }
@@ -160,8 +172,10 @@ class AnyMotionBound {
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, true));
-    if (plane_programs_left_ == 0) return rounding * best;
+    best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, &swing_times_));
+    const auto time_left = [this] { return work_.time(); };
+    best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.kernel_work_left, time_left));
+    if (work_.plane_programs_left == 0) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
     return rounding * std::max(best, planes_.time(legs));
@@ -198,7 +212,7 @@ class AnyMotionBound {
   static double window_of(const Leg& leg, int cell) {
     return cell == none ? 0.0 : leg.reach * std::pow(cell_ratio, -cell) * (1.0 - 1e-12);
   }
-  bool more() const { return programs_ < programs_max && seconds_since(start_) < time_limit_; }
+  bool more() const { return work_.programs < programs_max && work_.time(); }
 
   static void append(const TubeLeg& leg, double reach, int cell, Key& key) {
     for (const double value : leg.direction) key.push_back(std::llround(value * 1e9));
@@ -215,7 +229,7 @@ class AnyMotionBound {
     append(leg.tube, leg.reach, cell, key);
     const auto [entry, is_new] = rests_.try_emplace(std::move(key), 0.0);
     if (is_new && more()) {
-      ++programs_;
+      ++work_.programs;
       entry->second = rest_loss(leg.tube, window_of(leg, cell), machine_, path_.dimensions()).both;
     }
     return entry->second;
@@ -231,7 +245,7 @@ class AnyMotionBound {
     const auto known = corners_.find(key);
     if (known != corners_.end()) return known->second;
     if (more()) {
-      programs_ += 3;
+      work_.programs += 3;
       window.before = window_of(in, cell_in);
       window.after = window_of(out, cell_out);
     }
@@ -240,14 +254,13 @@ class AnyMotionBound {
 
   const Toolpath& path_;
   const Machine& machine_;
-  const double time_limit_;
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  WorkLeft work_;
   SplineSlack slack_;
+  const SwingTimes swing_times_;
   std::vector<double> radius_;  // m, of every block's tube
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
-  std::size_t programs_ = 0, plane_programs_left_;
   PlaneBound planes_;
 };
 

@@ -28,7 +28,7 @@ namespace accdec {
 ///
 /// If corners are close, a motion never reaches the feed, and the pace counts too little. There the sum of least
 /// times from plane to plane is larger (PlaneBound). On fine chords the time that axes need to go back and forth is,
-/// see window_bound.
+/// see window_bound. If acceleration and jerk limit the motion all the time, kernel_bound is largest.
 ///
 /// Samples at T stand for a continuous motion, as in corner_bound. So one period (two with a jerk limit) is taken off
 /// for every section between stops, and tolerances are widened.

@@ -26,10 +26,19 @@ std::vector<std::size_t> window_sizes(std::size_t blocks) {
 
 class Windows {
  public:
-  Windows(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last, bool chains)
-      : path_(path), machine_(machine), n_(path.dimensions()), wider_(wider), first_(first), last_(last) {
-    if (chains) open_.assign((last - first + 2) * n_, {-unlimited, -unlimited});
+  Windows(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last,
+          const SwingTimes* chains)
+      : path_(path),
+        machine_(machine),
+        n_(path.dimensions()),
+        wider_(wider),
+        first_(first),
+        last_(last),
+        swing_(chains) {
     const std::size_t blocks = last - first + 1;
+    // With few blocks all multipliers are tried, in one run, and a chain keeps to one.
+    kinds_ = chains == nullptr ? 0 : blocks > 50'000 ? 1 : chains->kinds();
+    open_.assign((blocks + 1) * n_ * kinds_, {-unlimited, -unlimited});
     sizes_ = window_sizes(blocks);
     for (const Axis& axis : machine.axes) slowest_ = std::min(slowest_, axis.acceleration_max);
     speed_.reserve(blocks);
@@ -66,13 +75,16 @@ class Windows {
     for (std::size_t a = 0; a < n_; ++a) {
       const double way = point(k)[a] - point(i)[a], left = std::abs(way) - ends;
       if (!(left > 0.0)) continue;
-      const double inside = 2.0 * std::sqrt(left / acceleration_most(machine_.axes[a]));
-      const auto at_end = [&](std::size_t j) { return rests(j) ? inside : std::sqrt(0.5) * inside; };
       const std::size_t up = way > 0.0 ? 1 : 0;
-      const double before = open_[i * n_ + a][1 - up];  // the time of a chain whose last way was the other one
-      double& after = open_[k * n_ + a][up];
-      after = std::max({after, best[i] + at_end(i), before + inside});
-      best[k] = std::max(best[k], before + at_end(k));
+      for (std::size_t kind = 0; kind < kinds_; ++kind) {
+        const double inside = swing_->inside(a, kind, left), free = swing_->at_end(a, kind, left);
+        const auto at_end = [&](std::size_t j) { return rests(j) ? inside : free; };
+        // The time of a chain whose last way was the other one.
+        const double before = open_[(i * n_ + a) * kinds_ + kind][1 - up];
+        double& after = open_[(k * n_ + a) * kinds_ + kind][up];
+        after = std::max({after, best[i] + at_end(i), before + inside});
+        best[k] = std::max(best[k], before + at_end(k));
+      }
     }
   }
 
@@ -144,11 +156,14 @@ class Windows {
   const std::size_t n_;
   const double wider_;
   const std::size_t first_, last_;
+  const SwingTimes* const swing_;
+  std::size_t kinds_ = 0;       // of chains
   double slowest_ = unlimited;  // m/s^2: no direction has a lower bound of acceleration
   std::vector<std::size_t> sizes_;
   std::vector<double> speed_;                 // of every block
   std::vector<std::vector<double>> fastest_;  // of every size, by the window's first block
-  std::vector<std::array<double, 2>> open_;   // s, of every point and axis: chains that end there, down and up
+  /// s, of every point, axis and kind: chains that end there, down and up
+  std::vector<std::array<double, 2>> open_;
 };
 
 }  // namespace
@@ -162,8 +177,8 @@ double time_from_rest(double distance, double speed, double acceleration, int re
 }
 
 double window_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last,
-                    bool chains) {
-  return Windows(path, machine, wider, first, last, chains && !machine.axes.empty()).largest();
+                    const SwingTimes* chains) {
+  return Windows(path, machine, wider, first, last, machine.axes.empty() ? nullptr : chains).largest();
 }
 
 }  // namespace accdec

@@ -97,6 +97,7 @@ class Refutation {
     for (int d = first; d <= last; ++d) {
       if (cost_.delay[j] * d >= room) return -1;
       if (ways_.holds(j, d)) return d;
+      if (ways_.too_slow_from(j, d)) return -1;
     }
     return -1;
   }

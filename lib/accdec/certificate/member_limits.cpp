@@ -128,10 +128,18 @@ struct MemberLimits::Steepness {
   }
   /// Whether a leg at this speed keeps the limits by more than rounding.
   bool surely_holds(const Axis& axis, double speed, double period) const {
+    return surely_holds(axis, speed, speed, speed, period);
+  }
+  /// Whether two legs do, wherever they meet. Their taps add up if they point apart, and their steps in any case.
+  bool surely_meet(const Axis& axis, double in, double out, double period) const {
+    const double faster = std::max(std::abs(in), std::abs(out)), both = std::abs(in) + std::abs(out);
+    return surely_holds(axis, faster, in * out < 0.0 ? both : faster, both, period);
+  }
+  bool surely_holds(const Axis& axis, double speed, double speed_of_taps, double speed_of_steps, double period) const {
     constexpr double below = 1.0 - 1e-9;
     return std::min({axis.force_max, axis.power_max, axis.regeneration_max, axis.force_speed_max}) >= unlimited &&
-           speed <= below * axis.velocity_max && speed * tap <= below * axis.acceleration_max * period &&
-           speed * step <= below * axis.jerk_max * period * period;
+           speed <= below * axis.velocity_max && speed_of_taps * tap <= below * axis.acceleration_max * period &&
+           speed_of_steps * step <= below * axis.jerk_max * period * period;
   }
 };
 
@@ -148,8 +156,13 @@ const FamilyMember& MemberLimits::motion() const {
   return *motion_;
 }
 
+const MemberLimits::Steepness& MemberLimits::steepness() const {
+  if (!steepness_) steepness_ = std::make_shared<Steepness>(command());
+  return *steepness_;
+}
+
 std::optional<LimitKind> MemberLimits::broken_by_legs() const {
-  const Steepness steep(command());
+  const Steepness& steep = steepness();
   if (legs_hold_together(steep)) return std::nullopt;
   for (const TaskCorner& corner : granted_.corners) {
     const Corner& g = corner.geometry();
@@ -253,8 +266,8 @@ bool MemberLimits::broken_by_blend(const TaskCorner& corner, int delay) const {
     }
     if (std::sqrt(std::max(0.0, nearest)) > *corner.error_max * (1.0 + 1e-12)) return true;
   }
+  if (too_slow(corner, delay, 0.0)) return true;
   if (corner.contour_max && contour_broken(corner, delay, last)) return true;
-  std::vector<double> speed(static_cast<std::size_t>(last) + 1, 0.0);
   for (std::size_t x = 0; x < granted_.machine.axes.size(); ++x) {
     const auto e = static_cast<Eigen::Index>(x);
     const double in = g.feed_in * g.direction_in[e], out = g.feed_out * g.direction_out[e];
@@ -264,18 +277,35 @@ bool MemberLimits::broken_by_blend(const TaskCorner& corner, int delay) const {
     const auto acceleration = [=](const FamilyMember& member, int k) {
       return (out * tap(member, k - 1 - delay) - in * tap(member, k - 1)) / period;
     };
+    if (steepness().surely_meet(granted_.machine.axes[x], in, out, period)) continue;
     double before = 0.0;
     for (int k = 0; k <= last; ++k) {
-      const double v = velocity(commanded, k), a = acceleration(commanded, k), motion_v = velocity(moved, k);
+      const double v = velocity(commanded, k), a = acceleration(commanded, k);
       const Sampled sampled{
-          v, a, before, motion_v, acceleration(moved, k), period, std::max(std::abs(in), std::abs(out))};
+          v, a, before, velocity(moved, k), acceleration(moved, k), period, std::max(std::abs(in), std::abs(out))};
       if (broken(granted_.machine.axes[x], sampled)) return true;
       before = a;
-      speed[static_cast<std::size_t>(k)] += motion_v * motion_v;
     }
   }
-  return corner.speed_min > 0.0 &&
-         corner.speed_min > std::sqrt(*std::min_element(speed.begin(), speed.end())) * (1.0 + 1e-12);
+  return false;
+}
+
+bool MemberLimits::too_slow(const TaskCorner& corner, int delay, double more) const {
+  if (!(corner.speed_min > 0.0)) return false;
+  const FamilyMember& moved = motion();
+  const Corner& g = corner.geometry();
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= moved.order() + delay + 2; ++k) {
+    const double left = g.feed_in * at(moved.left, k), gone = k > delay ? g.feed_out * at(moved.gone, k - delay) : 0.0;
+    least = std::min(least, left * left + gone * gone - 2.0 * g.cos_interior() * left * gone);
+  }
+  return corner.speed_min > std::sqrt(std::max(0.0, least) + more) * (1.0 + 1e-12);
+}
+
+bool MemberLimits::too_slow_from(const TaskCorner& corner, int delay) const {
+  constexpr double rounding = 1e-12;  // of a right angle
+  const Corner& g = corner.geometry();
+  return g.cos_interior() <= rounding && too_slow(corner, delay, 2.0 * rounding * g.feed_in * g.feed_out);
 }
 
 bool MemberLimits::broken_by_corner_feed(const TaskCorner& corner, double part) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include <accdec/certificate/checked_response.hpp>
@@ -32,6 +33,9 @@ class MemberLimits {
   bool rings() const;
   bool broken_by_blend(const TaskCorner& corner, int delay) const;
   bool contour_broken(const TaskCorner& corner, int delay, int last) const;
+  /// Whether the corner is too slow at this delay and all longer ones. If legs do not turn back, leg 2 is slower
+  /// sample by sample at a longer delay, and nothing makes up for it.
+  bool too_slow_from(const TaskCorner& corner, int delay) const;
   /// Whether a corner at this part of its feeds breaks a limit, or the step down to it or up from it does.
   bool broken_by_corner_feed(const TaskCorner& corner, double part) const;
   /// A delay below which the corner's error is too large. At every shorter delay, leg 2 is at least as far away sample
@@ -42,6 +46,9 @@ class MemberLimits {
   const FamilyMember& command() const { return command_ ? *command_ : member_; }
   const FamilyMember& motion() const;
   struct Steepness;
+  const Steepness& steepness() const;
+  /// @param more  (m/s)^2, by which the square of the speed may be larger
+  bool too_slow(const TaskCorner& corner, int delay, double more) const;
   bool legs_hold_together(const Steepness& steep) const;
   std::optional<LimitKind> broken_by_leg(const Steepness& steep, const Axis& axis, double in, double out) const;
   double left(double frequency, double damping) const;
@@ -51,7 +58,8 @@ class MemberLimits {
   const FamilyMember& member_;
   std::optional<FamilyMember> command_;  ///< behind the control's smoothing, where it has any
   const std::vector<double>& servo_;
-  int order_behind_;                            ///< of the motion
+  int order_behind_;  ///< of the motion
+  mutable std::shared_ptr<const Steepness> steepness_;
   mutable std::optional<FamilyMember> motion_;  ///< behind the servo, where it is given: made when it is asked for
 };
 

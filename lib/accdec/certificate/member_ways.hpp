@@ -55,6 +55,7 @@ class Ways {
     }
     return state == State::open;
   }
+  bool too_slow_from(std::size_t j, int delay) const { return limits_.too_slow_from(granted_.corners[j], delay); }
   void shut(std::size_t j, int way) { known(j, way) = State::shut; }
 
  private:

@@ -84,4 +84,15 @@ Task merged_corners(const Task& task, const std::vector<int>& corner_of) {
   return merged;
 }
 
+Task with_smoothing(const Task& task) {
+  const std::vector<double> taps = task.machine.prefilter_taps;
+  if (taps.empty()) throw Rejected("the certificate is about a smoothing that the control does not have");
+  Task one = task;
+  one.machine.prefilter_taps.clear();
+  one.design.order_min += static_cast<int>(taps.size()) - 1;
+  one.design.order_max += static_cast<int>(taps.size()) - 1;
+  one.design.symmetric = task.design.symmetric && std::equal(taps.begin(), taps.end(), taps.rbegin());
+  return one;
+}
+
 }  // namespace accdec

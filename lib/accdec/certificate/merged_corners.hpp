@@ -13,4 +13,9 @@ namespace accdec {
 /// requirements
 Task merged_corners(const Task& task, const std::vector<int>& corner_of);
 
+/// The task of the filter and the control's smoothing of P + 1 taps as one filter of P more. All that limits and
+/// tolerances see is this filter. It may have any taps, which only allows more.
+/// @throws Rejected if there is no smoothing
+Task with_smoothing(const Task& task);
+
 }  // namespace accdec

@@ -13,6 +13,7 @@
 #include <accdec/corner.hpp>
 #include <accdec/files/words.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec::comparison {
 namespace {
@@ -78,6 +79,8 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   const Task& task = spec_.task;
   delays_given_ = !spec_.delays.empty();
   if (spec_.question == Question::design) return;
+  // Delays, samples and references of such problems are those of the command.
+  require_no_response(task.machine, "a nonlinear problem");
   const Filter filter = default_filter(spec_.order);
   FormulationOptions options;
   options.order = spec_.order;

@@ -9,6 +9,7 @@
 #include <accdec/design/coarse_design.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
+#include <accdec/design/smoothed_bound.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/families/quick_search.hpp>
@@ -100,11 +101,13 @@ class Anytime {
     const bool ideal = Response(task_.machine, task_.sample_period).ideal();
     exact_->message = ideal ? "the proof does not consider the supply that the axes share, nor power and regeneration "
                               "of axes with dry friction"
-                            : "the proof does not consider force, power, regeneration and smallest speeds behind a "
-                              "servo, nor the control's smoothing and a shared supply";
+                      : !task_.machine.prefilter_taps.empty()
+                          ? "the bound is of any filter in place of this one and the control's smoothing together"
+                          : "the proof does not consider force, power, regeneration and smallest speeds behind a "
+                            "servo, nor a shared supply";
     coarse(0.1);
     shapes(ideal ? 0.1 : 0.4);
-    bound_of_part(covered_part(task_), ideal ? 0.4 : 0.6);
+    bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
     judge();
     if (settled()) return *exact_;
     if (best_ && best_->status == Status::optimal) return finish();
@@ -171,7 +174,6 @@ class Anytime {
   }
 
   void local(const std::string& solver, double share) {
-    if (!Response(task_.machine, task_.sample_period).ideal()) return;  // nonlinear solvers do not know it
     if (over() || close_enough()) return;
     // In less time local solvers find nothing, least where corners share a filter, and the exact method needs the time.
     const double least = task_.corners.size() > 1 ? 0.5 : 0.2;
@@ -227,15 +229,19 @@ class Anytime {
     ExactOptions exact = exact_options(options_, std::min(share * options_.time_limit, left()));
     exact.gap = 0.0;
     DesignResult found = design_exact(part, exact);
-    if (found.has_design() && !exact_covers(task_)) {
+    const auto late = [this] { return over(); };
+    if (found.has_design() && !task_.machine.prefilter_taps.empty()) {
+      if (auto whole = in_front_of_smoothing(task_, *found.filter, late); whole && whole->has_design())
+        whole->solver = found.solver, offer_design(*std::move(whole));
+    } else if (found.has_design() && !exact_covers(task_)) {
       std::vector<int> delays;
       for (const CornerResult& corner : found.corners) delays.push_back(corner.delay);
       DesignResult whole = assess(task_, *found.filter, delays, false);
       whole.solver = found.solver;
       if (whole.has_design()) offer_design(std::move(whole));
     }
+    found = without_smoothing(task_, std::move(found));
     if (!found.certificate) return;
-    const auto late = [this] { return over(); };
     if (found.status == Status::infeasible && !exact_covers(task_)) {
       found.task = task_;
       if (check_certificate(task_, found, late).accepted) exact_ = std::move(found);

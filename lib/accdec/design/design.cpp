@@ -32,6 +32,7 @@ DesignResult local_or_proof(const Task& task, const DesignOptions& options) {
   DesignResult nlp = design_nlp(task, most);
   const bool cancelled = options.cancel != nullptr && options.cancel->load();
   if (nlp.has_design() || cancelled) return nlp;
+  if (!Response(task.machine, task.sample_period).common()) return nlp;
   const ExactOptions exact = exact_options(options, options.time_limit - seconds_since(began));
   if (exact.time_limit <= 0.0) return nlp;
   DesignResult proof;
@@ -74,18 +75,14 @@ DesignResult with_smallest_delays(DesignResult found, double seconds_left) {
 }
 
 /// Refuses a response that no method considers, so that none is ignored silently.
-void require_designable(const Task& task, const DesignOptions& options) {
+void require_designable(const Task& task) {
   if (task.design.coefficient_bits > 0) require_no_shared_loads(task.machine, "a design of whole coefficients");
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return;
-  if (!response.common() && task.settings && task.settings->names_family())
+  if (!response.averages() && task.settings && task.settings->names_family())
     throw std::invalid_argument(
-        "settings need one response of all axes without negative taps (servo_gain_1_s, velocity_feedforward, "
-        "response_taps); `accdec evaluate` judges a given filter with any, and free taps are designed for any");
-  if (options.method == Method::nlp && !task.filter)
-    throw std::invalid_argument(
-        "nonlinear solvers do not consider a response (servo_gain_1_s, response_taps, prefilter_taps); leave out "
-        "--solver and --method nlp");
+        "settings need response_taps >= 0; `accdec evaluate` judges a given filter with any, and free taps are "
+        "designed for any");
   if (task.design.coefficient_bits > 0) require_no_response(task.machine, "a design of whole coefficients");
 }
 
@@ -103,10 +100,11 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     result.certificate = certify_contradiction(task);
     return result;
   }
-  require_designable(task, options);
+  require_designable(task);
   if (task.settings && task.settings->names_family()) return design_settings(task, options);
-  if (!Response(task.machine, task.sample_period).common()) return design_differing(task, options);
   if (task.filter) return design_delays(task, options);
+  if (options.method == Method::exact && !Response(task.machine, task.sample_period).common())
+    return design_differing(task, options);
   if (task.design.coefficient_bits > 0) return design_quantised(task, options);
   const auto began = std::chrono::steady_clock::now();
   DesignResult found = options.method == Method::exact ? design_anytime(task, options) : local_or_proof(task, options);

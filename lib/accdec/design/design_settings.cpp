@@ -12,9 +12,11 @@
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/design_settings.hpp>
+#include <accdec/design/differing_servos.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
@@ -22,8 +24,10 @@
 namespace accdec {
 namespace {
 
-/// Longest search for what free taps would do, s.
+/// Longest search for what free taps would do, or for the limit that leaves no setting, s.
 constexpr double free_taps_seconds = 10.0;
+/// Part of the time that is kept for that limit.
+constexpr double part_for_reasons = 0.2;
 
 /// The task with all limits wider by this factor. A bound of zero grows, too.
 Task widened(Task task, double factor) {
@@ -49,21 +53,27 @@ Task widened(Task task, double factor) {
 /// breaks most. Empty if none is found.
 std::string closest_break(const Task& task, double seconds, const std::atomic<bool>* cancel) {
   const auto began = std::chrono::steady_clock::now();
+  const auto left = [&] { return seconds - seconds_since(began); };
   SettableDesign closest;
   double broken = 1.0, held = unlimited;
-  while (held > 1.01 * broken && broken < 1e6) {
-    // Up by larger and larger steps, then down by bisection.
+  bool searched = true;  // all members, with every factor
+  while (held > 1.01 * broken && broken < 1e6 && left() > 0.0) {
+    // Up by larger and larger steps, then down by bisection. The larger the factor, the sooner a member is found.
     const double factor = held < unlimited ? std::sqrt(broken * held) : 2.0 * broken * broken;
-    SettableDesign found = best_settings(widened(task, factor), seconds - seconds_since(began), cancel);
-    if (!found.chosen && !found.complete) break;
+    SettableDesign found = best_settings(widened(task, factor), left() / 3.0, cancel);
+    searched = searched && found.complete;
+    if (!found.chosen && !found.complete && held < unlimited) break;
     (found.chosen ? held : broken) = factor;
     if (found.chosen) closest = std::move(found);
+    if (cancel != nullptr && cancel->load()) break;
   }
   if (!closest.chosen) return "";
   const VerificationReport report = verify_by_simulation(task, make_filter(closest.chosen->filter),
                                                          closest.delays.delays, nullptr, nullptr, closest.delays.parts);
   if (report.feasible) return "";
-  return fmt::format("the closest, {}, breaks {}", settings_in_words(*closest.chosen), report.worst);
+  const bool closest_of_all = searched && held <= 1.01 * broken;
+  return fmt::format("the closest{}, {}, breaks {}", closest_of_all ? "" : " found in the time given",
+                     settings_in_words(*closest.chosen), report.worst);
 }
 
 /// Adds the proof that no member of the families is shorter.
@@ -92,7 +102,8 @@ void compare_with_taps(const DesignOptions& options, double seconds, DesignResul
   any.settings.reset();
   DesignOptions most = options;
   most.time_limit = seconds;
-  const DesignResult taps = design_anytime(any, most);
+  const bool common = Response(any.machine, any.sample_period).common();
+  const DesignResult taps = common ? design_anytime(any, most) : design_differing(any, most);
   if (taps.has_design()) result.free_taps = std::min(taps.objective(), result.objective());
   if (!taps.lower_bound || !taps.certificate || !result.certificate) return;
   const auto* tree = std::get_if<proof::BranchAndBound>(&taps.certificate->proof);
@@ -153,7 +164,8 @@ DesignResult design_settings(const Task& asked, const DesignOptions& options) {
   if (task.filter && !task.baseline) task.baseline = task.filter;
   task.filter.reset();
   if (options.progress) options.progress(fmt::format("looking at {}", families_in_words(*task.settings)));
-  const SettableDesign best = best_settings(task, options.time_limit, options.cancel);
+  const SettableDesign best = best_settings(
+      task, options.time_limit - std::min(part_for_reasons * options.time_limit, free_taps_seconds), options.cancel);
   DesignResult result;
   if (best.chosen) {
     result = assess(task, make_filter(best.chosen->filter), best.delays.delays, false, best.delays.parts);
@@ -161,13 +173,14 @@ DesignResult design_settings(const Task& asked, const DesignOptions& options) {
   } else {
     result.task = task;
     if (best.complete) result.status = Status::infeasible;
-    if (!best.complete) result.message = "no setting was found in the time given";
   }
   if (result.has_design() || result.status == Status::infeasible) prove(best, late, result);
   if (result.status == Status::infeasible && !result.certificate) result.status = Status::failed;
-  if (!best.chosen && best.complete) {
+  if (!best.chosen) {
+    const std::string families = families_in_words(*task.settings);
     std::vector<std::string> reasons{
-        fmt::format("no setting of {} holds all limits", families_in_words(*task.settings)),
+        best.complete ? fmt::format("no setting of {} holds all limits", families)
+                      : fmt::format("no setting of {} that holds all limits was found in the time given", families),
         why_no_setting_holds(task, std::clamp(left(), 0.0, free_taps_seconds), options.cancel), result.message};
     std::erase(reasons, "");
     result.message = fmt::format("{}", fmt::join(reasons, "; "));

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <chrono>
-#include <numeric>
+#include <functional>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,10 +20,7 @@ namespace {
 /// The task with one servo for all axes, without its negative taps.
 Task with_servo_of(const Task& task, std::size_t axis) {
   Task common = task;
-  Axis servo = task.machine.axes[axis];
-  for (double& tap : servo.response_taps) tap = std::max(0.0, tap);
-  const double sum = std::accumulate(servo.response_taps.begin(), servo.response_taps.end(), 0.0);
-  for (double& tap : servo.response_taps) tap /= sum;
+  const Axis servo = averaging(task.machine.axes[axis]);
   for (Axis& other : common.machine.axes) {
     other.servo_gain = servo.servo_gain, other.velocity_feedforward = servo.velocity_feedforward;
     other.response_taps = servo.response_taps;
@@ -28,74 +28,100 @@ Task with_servo_of(const Task& task, std::size_t axis) {
   return common;
 }
 
-/// Finds delays with which a filter holds the task: those given, longer together until it does, then each as short as
-/// it can be while the others stay.
-class HeldDelays {
- public:
-  HeldDelays(const Task& task, const Filter& filter, const std::function<bool()>& stopped)
-      : task_(task), filter_(filter), stopped_(stopped) {}
+/// Distance from the line of a leg at its constant feed, m: every axis lags by the mean of its own response.
+double off_line(const Response& response, const Eigen::VectorXd& along, double step) {
+  Eigen::VectorXd behind = along;
+  for (Eigen::Index a = 0; a < along.size(); ++a) {
+    const std::vector<double> taps = response.servo(static_cast<std::size_t>(a));
+    double mean = 0.0;
+    for (std::size_t i = 0; i < taps.size(); ++i) mean += taps[i] * static_cast<double>(i);
+    behind[a] *= step * mean;
+  }
+  return (behind - behind.dot(along) * along).norm();
+}
 
-  std::optional<DesignResult> from(std::vector<int> delays) {
-    const int most = filter_.order() + Response(task_.machine, task_.sample_period).order() + 3;
-    int more = 0, step = 1;
-    for (; !holds(longer(delays, more)); more += step, step = std::min(2 * step, 8)) {
-      if (more > most || stopped_()) return {};
-    }
-    delays = longer(delays, more);
-    for (std::size_t j = 0; j < delays.size(); ++j) {
-      if (task_.corners[j].delay) continue;
-      for (int less = std::max(1, more); less > 0 && !stopped_(); less /= 2) {
-        for (std::vector<int> next = delays; next[j] >= less && !stopped_(); delays = next) {
-          next[j] -= less;
-          if (!holds(next)) break;
-        }
-      }
-    }
-    return assess(task_, filter_, delays, false);
+/// The contour that a leg leaves at its feed, whatever the filter; empty if there is none.
+std::string contour_at_feed(const Task& task) {
+  const Response response(task.machine, task.sample_period);
+  for (const TaskCorner& corner : task.corners) {
+    const Corner& g = corner.geometry();
+    const double off = std::max(off_line(response, g.direction_in, g.feed_in * task.sample_period),
+                                off_line(response, g.direction_out, g.feed_out * task.sample_period));
+    if (corner.contour_max && off > *corner.contour_max * (1.0 + 1e-6) + position_floor)
+      return fmt::format(
+          "contour of corner {}: at constant feed the servos leave the line of a leg by {:.4g} um, the "
+          "limit is {:g} um",
+          corner.name, 1e6 * off, 1e6 * *corner.contour_max);
+  }
+  return "";
+}
+
+/// The best of several designs, each with the smallest delays that its filter has with the axes as they are.
+class BestOf {
+ public:
+  explicit BestOf(const Task& task) { best_.task = task; }
+
+  void offer(const DesignResult& found, double seconds, const std::atomic<bool>* cancel) {
+    if (best_.solver.name.empty()) best_.solver = found.solver;
+    if (found.stop != StopReason::finished && found.stop != StopReason::gap_reached) stop_ = found.stop;
+    if (!found.has_design()) return;
+    Task given = best_.task;
+    const auto taps = found.filter->taps();
+    given.filter = FilterSpec{.kind = Shape::taps, .taps = {taps.begin(), taps.end()}};
+    DesignOptions rest;
+    rest.time_limit = std::max(1e-3, seconds), rest.cancel = cancel;
+    std::vector<int> delays;
+    for (const CornerResult& corner : design_delays(given, rest).corners) delays.push_back(corner.delay);
+    if (delays.size() != best_.task.corners.size()) return;
+    DesignResult held = assess(best_.task, *found.filter, delays, false);
+    if (!held.has_design() || (best_.has_design() && held.objective() >= best_.objective() * (1.0 - 1e-12))) return;
+    held.solver = found.solver;
+    best_ = std::move(held);
+  }
+  DesignResult best() const {
+    DesignResult best = best_;
+    best.stop = stop_;
+    return best;
   }
 
  private:
-  std::vector<int> longer(std::vector<int> delays, int more) const {
-    for (std::size_t j = 0; j < delays.size(); ++j) delays[j] = task_.corners[j].delay.value_or(delays[j] + more);
-    return delays;
-  }
-  bool holds(const std::vector<int>& delays) const {
-    return assess(task_, filter_, delays, false).status == Status::feasible;
-  }
-
-  const Task& task_;
-  const Filter& filter_;
-  const std::function<bool()>& stopped_;
+  DesignResult best_;
+  StopReason stop_ = StopReason::finished;  // of any search that ended early
 };
 
 }  // namespace
 
 DesignResult design_differing(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
+  const auto left = [&] { return options.time_limit - seconds_since(began); };
+  const auto stopped = [&] { return left() <= 0.0 || (options.cancel != nullptr && options.cancel->load()); };
+  BestOf designs(task);
+  if (std::string why = contour_at_feed(task); !why.empty()) {
+    DesignResult none = designs.best();
+    none.message = std::move(why);
+    return none;
+  }
   const std::size_t axes = task.machine.axes.size();
-  const std::function<bool()> stopped = [&] {
-    return seconds_since(began) > options.time_limit || (options.cancel != nullptr && options.cancel->load());
-  };
-  DesignResult best;
-  best.task = task;
-  best.message = "no design was found for axes with different servos";
   for (std::size_t a = 0; a < axes && !stopped(); ++a) {
     DesignOptions part = options;
     part.exact.certificate = false;
-    part.time_limit = (options.time_limit - seconds_since(began)) / (static_cast<double>(axes - a) + 1.0);
-    const DesignResult common = design_task(with_servo_of(task, a), part);
-    best.solver = common.solver;
-    if (!common.has_design()) continue;
-    std::vector<int> delays;
-    for (const CornerResult& corner : common.corners) delays.push_back(corner.delay);
-    std::optional<DesignResult> held = HeldDelays(task, *common.filter, stopped).from(delays);
-    if (!held || !held->has_design() || (best.has_design() && held->objective() >= best.objective())) continue;
-    best = std::move(*held);
-    best.solver = common.solver;
-    best.message = "axes respond differently: verified, and not proved to be the fastest";
+    part.time_limit = left() / (static_cast<double>(axes - a) + 2.0);
+    designs.offer(design_task(with_servo_of(task, a), part), left(), options.cancel);
   }
-  if (stopped())
-    best.stop = seconds_since(began) > options.time_limit ? StopReason::time_limit : StopReason::interrupted;
+  // Nonlinear solvers know every axis' own servo.
+  if (!stopped()) {
+    DesignOptions local = options;
+    local.method = Method::nlp, local.time_limit = 0.8 * left();
+    try {
+      designs.offer(design_nlp(task, local), left(), options.cancel);
+    } catch (const std::invalid_argument&) {  // the solver refuses, or is unknown here
+    } catch (const std::runtime_error&) {     // it is not installed
+    }
+  }
+  DesignResult best = designs.best();
+  best.message = best.has_design() ? "axes respond differently: verified, and not proved to be the fastest"
+                                   : "no design was found for axes with different servos";
+  if (stopped()) best.stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
   return best;
 }
 

@@ -7,8 +7,10 @@
 #include <accdec/corner.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
@@ -37,6 +39,14 @@ double contour_time(const Filter& filter, const Corner& corner, int delay) {
   return before > after ? k + std::clamp(before / (before - after), 0.0, 1.0) : k;
 }
 
+/// The machine with the slowest servo for all axes, without negative taps.
+Machine one_servo(const Task& task) {
+  Machine machine = task.machine;
+  give_slowest_servo(machine, task.sample_period);
+  for (Axis& axis : machine.axes) axis = averaging(axis);
+  return machine;
+}
+
 /// The start: the trapezoid of this order, with a third of it for each ramp.
 Filter guess(int order) {
   return order < 2 ? boxcar(order) : trapezoid(order, order / 3);
@@ -51,7 +61,8 @@ std::string step_too_long(const Task& task, int order, double time_limit) {
     for (const AxisLimit& limit : axis_limits) limits += axis.*limit.bound < unlimited ? 1.0 : 0.0;
   }
   // Each corner has two leg distances over all taps, and three neighbours per sample and limit of the blend.
-  const double n = order + 1.0, corners = static_cast<double>(task.corners.size());
+  const double n = order + Response(task.machine, task.sample_period).order() + 1.0,
+               corners = static_cast<double>(task.corners.size());
   const double entries = corners * (2.0 * n + 3.0 * 1.5 * n * limits);
   // Exchanged pivots fill the factors in, more so with more corners. At order 19 a factorisation took up to 0.15 s with
   // 200 corners and 2 s with 600.
@@ -64,7 +75,10 @@ std::string step_too_long(const Task& task, int order, double time_limit) {
 }
 
 FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& options)
-    : task_(task), options_(options), solver_(solvers::find_solver(options.nlp.solver)) {
+    : task_(task),
+      options_(options),
+      solver_(solvers::find_solver(options.nlp.solver)),
+      response_(one_servo(task), task.sample_period) {
   reduced_ = options.nlp.reduced.value_or(false) || !solver_.capabilities().equality_rows;
   filter_cost_ = cost_of(task).filter;
   for (const TaskCorner& corner : task.corners) {
@@ -88,7 +102,7 @@ solvers::Result FixedOrderDesigner::solve(const nlp::Problem& problem, const std
 }
 
 std::vector<double> FixedOrderDesigner::guess_delays(const Filter& filter) const {
-  const DelayFinder smallest(filter);
+  const DelayFinder smallest(motion(filter));
   std::vector<double> delays;
   for (const TaskCorner& corner : task_.corners) {
     const double period = task_.sample_period;
@@ -103,7 +117,7 @@ std::vector<double> FixedOrderDesigner::guess_delays(const Filter& filter) const
 std::vector<int> FixedOrderDesigner::rounded_up(const std::vector<double>& delays, int order) const {
   std::vector<int> integers;
   for (const double d : delays)
-    integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + settling));
+    integers.push_back(std::clamp(static_cast<int>(std::ceil(d - 1e-3)), 0, order + response_.order() + settling));
   for (std::size_t j = 0; j < delays.size(); ++j) {
     if (task_.corners[j].delay) integers[j] = *task_.corners[j].delay;
   }
@@ -111,7 +125,7 @@ std::vector<int> FixedOrderDesigner::rounded_up(const std::vector<double>& delay
 }
 
 std::vector<int> FixedOrderDesigner::parting_delays(int order) const {
-  return rounded_up(std::vector<double>(task_.corners.size(), order + settling), order);
+  return rounded_up(std::vector<double>(task_.corners.size(), order + response_.order() + settling), order);
 }
 
 FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> blend_delays) {
@@ -127,20 +141,28 @@ FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> b
   return f;
 }
 
-/// Use of a mode of an axis by the fastest of its starts and stops.
-LimitUse FixedOrderDesigner::worst_start_or_stop(const Filter& filter, const Mode& mode) const {
-  return residual_utilisation(filter, 0.0, fastest_leg(task_, mode.axis), 0, task_.sample_period, mode);
+LimitUse FixedOrderDesigner::worst_residual(const Filter& command, const Mode& mode,
+                                            const std::vector<int>& delays) const {
+  LimitUse worst = residual_utilisation(command, 0.0, fastest_leg(task_, mode.axis), 0, task_.sample_period, mode);
+  for (std::size_t j = 0; j < delays.size(); ++j) {
+    const Corner& g = task_.corners[j].geometry();
+    const double in = g.feed_in * g.direction_in[mode.axis], out = g.feed_out * g.direction_out[mode.axis];
+    if (in == 0.0 || out == 0.0) continue;
+    LimitUse use = residual_utilisation(command, in, out, delays[j], task_.sample_period, mode);
+    if (use.utilisation > worst.utilisation) worst = use;
+  }
+  return worst;
 }
 
-/// Adds the frequencies at which a filter breaks its bands. False if it breaks none.
-bool FixedOrderDesigner::refine_bands(const Filter& filter) {
+bool FixedOrderDesigner::refine_bands(const Filter& filter, const std::vector<int>& delays) {
   bool added = false;
   extra_frequencies_.resize(task_.machine.modes.size());
-  const std::vector<LimitUse> uses = vibration_utilisation(filter, task_.sample_period, task_.machine);
+  const Filter command = response_.command(filter);
+  const std::vector<LimitUse> uses = vibration_utilisation(command, task_.sample_period, task_.machine);
   std::size_t next = 0;
   for (std::size_t i = 0; i < task_.machine.modes.size(); ++i) {
     const Mode& mode = task_.machine.modes[i];
-    const LimitUse use = mode.of_axis() ? worst_start_or_stop(filter, mode) : uses[next++];
+    const LimitUse use = mode.of_axis() ? worst_residual(command, mode, delays) : uses[next++];
     if (use.utilisation <= 1.0 || mode.frequency_low == mode.frequency_high) continue;
     const std::vector<double>& known = extra_frequencies_[i];
     const double apart = 1e-3 * (mode.frequency_high - mode.frequency_low);
@@ -209,8 +231,20 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
 std::vector<double> FixedOrderDesigner::contour_times(const Filter& filter, const std::vector<int>& delays) const {
   std::vector<double> times;
   for (std::size_t j = 0; j < delays.size(); ++j)
-    times.push_back(contour_time(filter, task_.corners[j].geometry(), delays[j]));
+    times.push_back(contour_time(motion(filter), task_.corners[j].geometry(), delays[j]));
   return times;
+}
+
+int FixedOrderDesigner::nearest_sample(const Filter& filter, std::size_t corner, int delay) const {
+  const Corner& g = task_.corners[corner].geometry();
+  if (Response(task_.machine, task_.sample_period).averages())
+    return measure(FilterBehind(filter, task_.machine, task_.sample_period), g, delay, task_.sample_period)
+        .corner_error_sample;
+  const SampledResponse sampled = simulate_response(filter, g, delay, task_.sample_period, task_.machine);
+  const SampledMotion& m = sampled.motion();
+  Eigen::Index nearest = 0;
+  m.position.middleRows(m.corner, m.cruise_out - m.corner).rowwise().norm().minCoeff(&nearest);
+  return static_cast<int>(nearest);
 }
 
 std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::vector<int>& delays, const Filter& start,
@@ -220,19 +254,19 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
   for (int pass = 0; pass < 6 && !stopped(); ++pass) {
     FormulationOptions options = formulation(order, delays);
     options.contour_times = contour_times(from, delays);
+    options.mode_blends = true;
     const MarginProblem problem(task_, options, samples);
     const std::vector<double> point = problem.start_from(from);
     const solvers::Result result = solve(problem, point);
     if (!own(result, point)) return std::nullopt;
     from = filter_from(result.x, order);
     found = from;
-    bool again = refine_bands(from);
+    bool again = refine_bands(from, delays);
     const std::vector<double> times = contour_times(from, delays);
     for (std::size_t j = 0; j < times.size(); ++j)
       again = again || (task_.corners[j].contour_max && std::abs(times[j] - options.contour_times[j]) > 0.1);
     for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-      const int nearest =
-          measure(Blend(from, task_.corners[j].geometry(), delays[j], task_.sample_period)).corner_error_sample;
+      const int nearest = nearest_sample(from, j, delays[j]);
       if (task_.corners[j].error_max && nearest != samples[j]) {
         samples[j] = nearest;
         again = true;

@@ -11,6 +11,7 @@
 #include <accdec/design.hpp>
 #include <accdec/design/formulation.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/solver.hpp>
 
 namespace accdec {
@@ -76,8 +77,14 @@ class FixedOrderDesigner {
   using Clock = std::chrono::steady_clock;
   solvers::Result solve(const nlp::Problem& problem, const std::vector<double>& start);
   FormulationOptions formulation(int order, std::vector<int> blend_delays);
-  LimitUse worst_start_or_stop(const Filter& filter, const Mode& mode) const;
-  bool refine_bands(const Filter& filter);
+  /// Use of a mode of an axis by the fastest of its starts and stops, or by a blend with its delay.
+  LimitUse worst_residual(const Filter& filter, const Mode& mode, const std::vector<int>& delays) const;
+  /// Adds the frequencies at which a filter breaks its bands. False if it breaks none.
+  /// @param delays  of the blends; empty: these are left out
+  bool refine_bands(const Filter& filter, const std::vector<int>& delays = {});
+  int nearest_sample(const Filter& filter, std::size_t corner, int delay) const;
+  /// The filter of the motion, as if all axes had the slowest servo.
+  Filter motion(const Filter& filter) const { return response_.motion(filter); }
   std::vector<double> contour_times(const Filter& filter, const std::vector<int>& delays) const;
   std::optional<Relaxed> relax(int order);
 
@@ -86,6 +93,7 @@ class FixedOrderDesigner {
   const solvers::Solver& solver_;
   Clock::time_point began_ = Clock::now();
   bool reduced_ = false, coupled_ = false;
+  Response response_;  // of the slowest servo, without negative taps
   double filter_cost_ = 0.0;
   std::map<int, std::optional<Relaxed>> relaxed_;
   std::vector<std::vector<double>> extra_frequencies_;  // per mode

@@ -19,9 +19,11 @@ double largest(const Affine& a) {
 }  // namespace
 
 MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options, std::span<const int> samples)
-    : order_(options.order) {
+    : order_(options.order), reduced_(options.reduced) {
   set_name("least corner error");
   const CumulativeVariables b = add_cumulative_variables(*this, options.order);
+  const Response response(task.machine, task.sample_period);
+  const CumulativeVariables motion = b.behind(motion_taps(response, 0));
   sigma_ = add_variable("sigma", {0.0, nlp::infinity});
   // The largest sigma, with both legs' distances largest and along one line. It makes the box finite, which population
   // methods need.
@@ -34,10 +36,16 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
     // A tolerance of zero is an exact stop, which the delay alone guarantees.
     const double unit = any_bound ? *corner.error_max : 100e-6;
     if (unit == 0.0) continue;
+    if (!response.common()) {
+      const int row = add_row("corner error, corner " + corner.name, {-nlp::infinity, 0.0});
+      sigma_max = std::max(sigma_max, add_axes(row, b, task, corner, samples[j], options.blend_delays[j], unit));
+      add_to_row(row, {0.0, {{sigma_, -1.0}}});
+      continue;
+    }
     const double in = corner.geometry().feed_in * task.sample_period / unit,
                  out = corner.geometry().feed_out * task.sample_period / unit;
     const int k = samples[j], m = k - options.blend_delays[j];
-    Affine p = in * b.remaining_moment(k), q = out * b.elapsed_moment(m);
+    Affine p = in * motion.remaining_moment(k), q = out * motion.elapsed_moment(m);
     sigma_max = std::max(sigma_max, std::pow(largest(p) + largest(q), 2));
     if (!options.reduced) {
       const int ip = add_variable("P " + corner.name, {0.0, nlp::infinity}),
@@ -58,6 +66,29 @@ MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options
   set_objective({0.0, {{sigma_, 1.0}}});
   if (options.reduced) omit_hessian();
   finish();
+}
+
+double MarginProblem::add_axes(int row, const CumulativeVariables& b, const Task& task, const TaskCorner& corner,
+                               int sample, int delay, double unit) {
+  const Response response(task.machine, task.sample_period);
+  const Corner& g = corner.geometry();
+  const double step = task.sample_period / unit;
+  double squares = 0.0;
+  for (Eigen::Index a = 0; a < g.axes(); ++a) {
+    const CumulativeVariables motion = b.behind(motion_taps(response, static_cast<std::size_t>(a)));
+    Affine position = -g.feed_in * step * g.direction_in[a] * motion.remaining_moment(sample);
+    position += g.feed_out * step * g.direction_out[a] * motion.elapsed_moment(sample - delay);
+    squares += std::pow(std::max(largest(position), largest(-1.0 * position)), 2);
+    if (!reduced_) {
+      const std::string& axis = task.machine.axes[static_cast<std::size_t>(a)].name;
+      const int s = add_variable(fmt::format("S {} {}", axis, corner.name), {-nlp::infinity, nlp::infinity});
+      add_to_row(add_row(fmt::format("position {}, corner {}", axis, corner.name), {0.0, 0.0}),
+                 position + Affine{0.0, {{s, -1.0}}});
+      position = {0.0, {{s, 1.0}}};
+    }
+    add_product(row, 1.0, position, position);
+  }
+  return squares;
 }
 
 namespace {

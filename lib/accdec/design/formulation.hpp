@@ -24,7 +24,12 @@ class MarginProblem : public QuadraticProblem {
   std::vector<double> start_from(const Filter& filter) const;
 
  private:
+  /// Adds the squares of one corner's distance to a row, axis by axis: behind different servos the legs bend. @return
+  /// their largest value
+  double add_axes(int row, const CumulativeVariables& b, const Task& task, const TaskCorner& corner, int sample,
+                  int delay, double unit);
   int order_ = 0, sigma_ = 0;
+  bool reduced_ = false;
 };
 
 /// A term scale * p(t) or scale * Q(t - d) of a row of `DelayProblem`. With B interpolated linearly, both are 1/2 sum_i
@@ -40,7 +45,8 @@ struct Approach {
 ///   minimise sum_j w_j d_j  subject to  |S_j(t_j; d_j)|^2 <= E_j^2  and all limits.
 /// B is interpolated linearly between samples, which makes S(t) the quadratic B-spline of the sampled path, C1 in t and
 /// d. Limits on the blend are imposed at the integer `blend_delays`, which the caller moves. Only axes that both legs
-/// move depend on them. Corners with a given delay keep it; corners without an error bound get delay 0.
+/// move depend on them. Behind a response B is that of the motion. If axes respond differently, S(t) has a row for
+/// every axis. Corners with a given delay keep it; corners without an error bound get delay 0.
 class DelayProblem : public QuadraticProblem {
  public:
   DelayProblem(const Task& task, const FormulationOptions& options);
@@ -48,7 +54,7 @@ class DelayProblem : public QuadraticProblem {
   std::vector<double> start_from(const Filter& filter, std::span<const double> delays) const;
   /// d_j of a point, one per corner of the task.
   std::vector<double> delays(std::span<const double> x) const;
-  /// The terms that the quadratic part lacks. @throws std::logic_error in the reduced form
+  /// The terms that the quadratic part lacks. @throws std::logic_error in the reduced form and behind a response
   std::vector<Approach> approaches() const;
   /// t_j of a point; -1 for corners without an error bound.
   std::vector<double> instants(std::span<const double> x) const;
@@ -59,25 +65,34 @@ class DelayProblem : public QuadraticProblem {
                std::span<double> values) const override;
 
  private:
-  /// One corner with an error bound. `row_p`, `row_q` define P and Q in the sparse form; `row_error` alone stands in
-  /// the reduced one.
+  /// in * p(t) + out * Q(t - d), of the motion behind these taps. `row` defines its variable in the sparse form; in the
+  /// reduced one there is only the row of the error.
+  struct Part {
+    std::vector<double> response;
+    double in = 0.0, out = 0.0;
+    int variable = -1, row = -1;
+    std::vector<int> slots;  // Jacobian: B_1..B_N, then t and d
+  };
+  /// One corner with an error bound. Its distance squared, in units of the bound, is the sum of the squares of its
+  /// parts and 2 cosine times the product of the first two. These are P and Q, or one an axis, with a cosine of 0.
   struct Closest {
     std::size_t corner = 0;
-    int delay = -1, instant = -1, p = -1, q = -1;  // variables
-    int row_p = -1, row_q = -1, row_error = -1;
+    int delay = -1, instant = -1, row_error = -1;          // variables, row
     double scale_in = 0.0, scale_out = 0.0, cosine = 0.0;  // v1 T/E, v2 T/E, cos(theta)
-    std::vector<int> slots_p, slots_q;      // Jacobian: B_1..B_N, then t (and d for Q); reduced: slots_p over B, t, d
+    std::vector<Part> parts;
     std::vector<int> hessian_t, hessian_d;  // (t, B_i), (d, B_i)
     int hessian_tt = -1, hessian_td = -1, hessian_dd = -1;
   };
-  /// Variables of every corner with a closest approach, and the weighted sum of its delays. @return that sum @return
+  /// Variables of every corner with a closest approach, and the weighted sum of its delays. @return
   /// that sum
   Affine add_closest(const Task& task);
-  void add_error_rows(Closest& c, const std::string& name, double margin);
+  std::vector<Part> parts_of(const Task& task, const Corner& corner, const Closest& c) const;
+  void add_error_rows(Closest& c, const Task& task, double margin);
+  std::vector<double> part_values(std::span<const double> x, const Closest& c) const;
   /// Positions of the derivatives, after the problem is finished.
   void find_slots(Closest& c) const;
-  int order_ = 0;
-  bool reduced_ = false;
+  int order_ = 0, motion_order_ = 0;
+  bool reduced_ = false, ideal_ = true, common_ = true;
   std::vector<Closest> closest_;
   std::vector<double> fixed_delays_;
 };

@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <accdec/design/fit_window.hpp>
+#include <accdec/design/fitted_families.hpp>
 #include <accdec/design/identify.hpp>
-#include <accdec/families/settable_search.hpp>
 
 namespace accdec {
 namespace {
@@ -22,12 +20,8 @@ constexpr double noise_least = 1e-12;  // m; rounding
 constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
 /// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
 constexpr double model_part = 1e-4;
+constexpr long least_free = 10;   // values more than numbers to fit
 constexpr double fastest = 20.0;  // m/s; no axis of a machine tool comes near it
-
-struct Candidate {
-  FittedFilter fitted;
-  double squares = 0.0;
-};
 
 class Identifier {
  public:
@@ -44,7 +38,7 @@ class Identifier {
     require_believable();
     look();
     const double whole = least_squares();
-    const std::vector<Candidate> candidates = all_;
+    const std::vector<FamilyFit> members = all_;
     const FittedFilter taps = taps_;
     window_.allow_last_steps(true);
     look();
@@ -53,23 +47,34 @@ class Identifier {
     const double numbers = static_cast<double>(command_.legs.size() * log_.axes.size());
     if (values * std::log(whole / least_squares()) < numbers * std::log(values) + sure) {
       window_.allow_last_steps(false);
-      all_ = candidates, taps_ = taps;
+      all_ = members, taps_ = taps;
     }
     return answer();
   }
 
  private:
-  /// All candidates, and free taps.
+  /// Members of all families, and free taps.
   void look() {
-    all_.clear();
-    if (asked(SettingFamily::averages)) averages();
-    if (asked(SettingFamily::one_pole)) pole();
-    refine();
+    const int pole_order_max = std::max(order_max_, 5 * command_.longest_ramp);
+    const auto members = [&](bool whole) {
+      return fitted_families(window_, order_max_, pole_order_max, task_.sample_period, whole);
+    };
+    all_ = members(true);
     taps();
+    if (fits_as_well_as_taps()) return;
+    const std::vector<FamilyFit> between = members(false);
+    all_.insert(all_.end(), between.begin(), between.end());
+    std::stable_sort(all_.begin(), all_.end(),
+                     [](const FamilyFit& a, const FamilyFit& b) { return a.squares < b.squares; });
+  }
+  double best_rms() const { return rms(all_.front().squares, 1); }
+  bool fits_as_well_as_taps() const {
+    const double more = noise_least + model_part * command_.step + options_.noise.value_or(0.0);
+    return best_rms() <= noise_more * taps_.rms + more;
   }
   double least_squares() const {
     const double rounding = noise_least * noise_least * static_cast<double>(window_.values());
-    return std::max(rounding, all_.empty() ? taps_squares_ : std::min(taps_squares_, all_.front().squares));
+    return std::max(rounding, std::min(taps_squares_, all_.front().squares));
   }
 
   void require_believable() const {
@@ -87,95 +92,6 @@ class Identifier {
                       feed, fastest));
   }
 
-  bool asked(SettingFamily family) const {
-    if (!task_.settings || !task_.settings->names_family()) return true;
-    const auto& families = task_.settings->families;
-    return std::find(families.begin(), families.end(), family) != families.end();
-  }
-  std::size_t stages_max() const {
-    return task_.settings && task_.settings->names_family() ? task_.settings->stages.size() : 3;
-  }
-
-  void offer(SettingFamily family, const FilterSpec& spec, int parameters) {
-    Candidate candidate;
-    candidate.fitted.family = family;
-    candidate.fitted.filter = spec;
-    candidate.fitted.parameters = parameters;
-    candidate.squares = window_.fit(make_filter(spec), 0).squares;
-    all_.push_back(std::move(candidate));
-  }
-
-  /// Every cascade of averages, longest first; an average of one tap is none.
-  void averages() {
-    std::vector<int> lengths;
-    const std::function<void(int)> add = [&](int left) {
-      const int longest = lengths.empty() ? left + 1 : std::min(left + 1, lengths.back());
-      for (int length = lengths.empty() ? 1 : 2; length <= longest; ++length) {
-        lengths.push_back(length);
-        FilterSpec spec{.kind = Shape::averages, .lengths = lengths};
-        for (const int l : lengths) spec.order += l - 1;
-        offer(SettingFamily::averages, spec, static_cast<int>(lengths.size()));
-        // A third stage only where two of nearly this kind fit: there are a hundred times as many.
-        if (length > 1 && lengths.size() < std::min<std::size_t>(2, stages_max())) add(left - (length - 1));
-        lengths.pop_back();
-      }
-    };
-    add(order_max_);
-    if (stages_max() > 2) third_stages();
-  }
-
-  /// Three averages with the mean and about the variance of the best two.
-  void third_stages() {
-    const auto best = std::min_element(all_.begin(), all_.end(),
-                                       [](const Candidate& a, const Candidate& b) { return a.squares < b.squares; });
-    const double variance = variance_of(best->fitted.filter.lengths);
-    for (int a = 2; a <= order_max_; ++a) {
-      for (int b = 2; b <= a; ++b) {
-        for (int c = 2; c <= b && a + b + c - 3 <= order_max_; ++c) {
-          if (std::abs(variance_of({a, b, c}) - variance) > 0.02 * variance + 2.0) continue;
-          offer(SettingFamily::averages, {.kind = Shape::averages, .order = a + b + c - 3, .lengths = {a, b, c}}, 3);
-        }
-      }
-    }
-  }
-  static double variance_of(const std::vector<int>& lengths) {
-    double sum = 0.0;
-    for (const int length : lengths) sum += (length * static_cast<double>(length) - 1.0) / 12.0;
-    return sum;
-  }
-
-  /// By time constants a part in a hundred apart, then golden section.
-  void pole() {
-    const auto squares = [&](double constant) { return window_.fit(make_filter(cut_pole(constant)), 1).squares; };
-    double best = 0.5, least = std::numeric_limits<double>::infinity();
-    constexpr double step = 1.02;
-    for (double constant = 0.3; cut_pole(constant).order <= std::max(order_max_, 5 * command_.longest_ramp);
-         constant *= step) {
-      if (const double found = squares(constant); found < least) least = found, best = constant;
-    }
-    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-    double low = best / step, high = best * step;
-    for (int i = 0; i < 30; ++i) {
-      const double left = high - golden * (high - low), right = low + golden * (high - low);
-      (squares(left) < squares(right) ? high : low) = squares(left) < squares(right) ? right : left;
-    }
-    offer(SettingFamily::one_pole, cut_pole(0.5 * (low + high)), 1);
-    all_.back().fitted.time_constant = 0.5 * (low + high) * task_.sample_period;
-  }
-
-  /// The most promising are fitted with commands that begin and end a sample earlier or later, too.
-  void refine() {
-    if (all_.empty()) return;
-    sort();
-    all_.resize(std::min<std::size_t>(all_.size(), 300));
-    for (Candidate& candidate : all_) candidate.squares = window_.fit(make_filter(candidate.fitted.filter), 2).squares;
-    sort();
-  }
-  void sort() {
-    std::stable_sort(all_.begin(), all_.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.squares < b.squares; });
-  }
-
   double rms(double squares, int parameters) const {
     const double free = static_cast<double>(window_.values()) - parameters -
                         static_cast<double>((command_.legs.size() + 1) * log_.axes.size());
@@ -184,10 +100,14 @@ class Identifier {
 
   void taps() {
     // A command that begins early enough for every first tap.
-    const FilterSpec wide{.kind = Shape::boxcar, .order = order_max_};
-    const Filter like = all_.empty() ? make_filter(wide) : make_filter(all_.front().fitted.filter);
+    const Filter like = make_filter(all_.front().fitted.filter);
     CommandFit fit = window_.fit(like, 2);
     const int early = std::max(2, order_max_ / 8);
+    if (const long numbers = like.order() + 2 * early + 2; window_.values() < numbers + least_free)
+      throw std::invalid_argument(fmt::format(
+          "the log has too few samples to tell filters apart: {} values near its ramps for {} taps; allowed "
+          "are {} or more",
+          window_.values(), numbers, numbers + least_free));
     for (int& first : fit.first) first -= early;
     // Ways are refitted with the taps, and taps with these ways: those of the family's fit make up for its taps.
     Filter found = window_.free_taps(fit, like.order() + 2 * early);
@@ -218,14 +138,13 @@ class Identifier {
   Identification answer() {
     Identification result;
     result.taps = taps_;
-    const double best = all_.empty() ? std::numeric_limits<double>::infinity() : rms(all_.front().squares, 1);
+    const double best = best_rms();
     if (std::min(best, taps_.rms) > unexplained * command_.step)
       throw std::invalid_argument(
           fmt::format("the log is no straight move and no corner from rest to rest, or has too much noise: the best "
                       "fit leaves {:.4g} um rms; allowed are {:.4g} um, a part of {:g} of a sample's way",
                       1e6 * std::min(best, taps_.rms), 1e6 * unexplained * command_.step, unexplained));
-    const double more = noise_least + model_part * command_.step + options_.noise.value_or(0.0);
-    if (best > noise_more * taps_.rms + more) {
+    if (!fits_as_well_as_taps()) {
       result.fits = {taps_};
       result.noise = options_.noise.value_or(taps_.rms);
     } else {
@@ -252,25 +171,34 @@ class Identifier {
     return result;
   }
 
-  /// More stages must explain more: a stage counts as much as its part of the Bayesian criterion.
+  /// More numbers must explain more: each counts as much as its part of the Bayesian criterion.
   std::vector<FittedFilter> likely(double noise) {
     const double size = std::log(static_cast<double>(window_.values()));
-    const auto cost = [&](const Candidate& c) { return c.squares / (noise * noise) + c.fitted.parameters * size; };
+    const auto cost = [&](const FamilyFit& c) { return c.squares / (noise * noise) + c.fitted.parameters * size; };
     std::stable_sort(all_.begin(), all_.end(),
-                     [&](const Candidate& a, const Candidate& b) { return cost(a) < cost(b); });
+                     [&](const FamilyFit& a, const FamilyFit& b) { return cost(a) < cost(b); });
     const double least = cost(all_.front());
     double sum = 0.0;
-    for (const Candidate& c : all_) sum += std::exp(-0.5 * (cost(c) - least));
     std::vector<FittedFilter> fits;
-    for (Candidate& c : all_) {
+    std::vector<Filter> filters;
+    for (FamilyFit& c : all_) {
       const double worse = cost(c) - least;
       if (worse > options_.sigmas * options_.sigmas) break;
+      // Two families can say the same: an average of 12 with impulses 12 samples apart is one of 24.
+      const Filter filter = make_filter(c.fitted.filter);
+      if (std::ranges::any_of(filters, [&](const Filter& other) { return same_taps(filter, other); })) continue;
+      filters.push_back(filter);
       c.fitted.sigmas = std::sqrt(worse);
-      c.fitted.likelihood = std::exp(-0.5 * worse) / sum;
+      c.fitted.likelihood = std::exp(-0.5 * worse);
       c.fitted.rms = rms(c.squares, c.fitted.parameters);
+      sum += c.fitted.likelihood;
       fits.push_back(c.fitted);
     }
+    for (FittedFilter& fit : fits) fit.likelihood /= sum;
     return fits;
+  }
+  static bool same_taps(const Filter& a, const Filter& b) {
+    return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) < 1e-6; });
   }
 
   const MotionLog& log_;
@@ -279,7 +207,7 @@ class Identifier {
   LoggedCommand command_;
   int order_max_;
   FitWindow window_;
-  std::vector<Candidate> all_;
+  std::vector<FamilyFit> all_;
   FittedFilter taps_;
   double taps_squares_ = 0.0;
 };

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <accdec/design/quadratic_problem.hpp>
+#include <accdec/design/cumulative_variables.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {
@@ -16,28 +16,12 @@ struct FormulationOptions {
   /// Per corner: when the path leaves leg 1's strip for leg 2's, in samples, not always whole. For that time a contour
   /// bound is linear. Empty: contour bounds are left out.
   std::vector<double> contour_times;
+  /// Whether blends bound what they leave of modes of axes. That is for given delays only: each has its own phase.
+  bool mode_blends = false;
   double margin = 1e-7;  ///< relative distance kept from every limit, so that a solver's tolerance does not break it
   bool reduced =
       false;  ///< no equality rows: positions and responses are substituted into their bounds (dense rows, no Hessian)
 };
-
-/// Cumulative response B_1 .. B_N as variables 0 .. N-1; B_k for k <= 0 and k > N are the constants 0 and 1.
-class CumulativeVariables {
- public:
-  explicit CumulativeVariables(int order) : order_(order) {}
-  int order() const { return order_; }
-  Affine cumulative(int k) const;
-  Affine remaining(int k) const;         ///< 1 - B_k
-  Affine tap(int i) const;               ///< b_i = B_{i+1} - B_i; 0 outside 0 .. N
-  Affine remaining_moment(int k) const;  ///< p(k) = sum_{j > k} (1 - B_j), dense
-  Affine elapsed_moment(int m) const;    ///< Q(m) = sum_{j <= m} B_j, dense
-
- private:
-  int order_;
-};
-
-/// Adds B_1 .. B_N to an empty problem.
-CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int order);
 
 /// Adds every limit of the task except the corner errors. Taps are >= 0 and below the acceleration bound. Start, blend
 /// and stop have rows for jerk, force, power and regeneration. There are also rows for the smallest tangential speed,

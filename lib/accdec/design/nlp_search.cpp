@@ -199,7 +199,8 @@ class Search {
     std::optional<std::size_t> worst;
     for (std::size_t j = 0; j < delays.size(); ++j) {
       const TaskCorner& corner = task_.corners[j];
-      if (corner.delay || !(corner.error_max || corner.contour_max) || delays[j] >= order + settling) continue;
+      if (corner.delay || !(corner.error_max || corner.contour_max) || delays[j] >= at_.parting_delays(order)[j])
+        continue;
       if (!worst || last_error_use_[j] > last_error_use_[*worst]) worst = j;
     }
     if (!worst) return false;
@@ -211,17 +212,13 @@ class Search {
     const std::optional<Filter> filter = at_.largest_margin(order, delays, start, samples);
     last_error_use_.assign(delays.size(), 0.0);
     if (!filter) return false;
-    for (std::size_t j = 0; j < delays.size(); ++j) {
-      const TaskCorner& corner = task_.corners[j];
-      const Blend blend(*filter, corner.geometry(), delays[j], task_.sample_period);
-      if (corner.error_max)
-        last_error_use_[j] = utilisation_of(LimitKind::corner_error, corner_error(blend), *corner.error_max);
-      if (corner.contour_max)
-        last_error_use_[j] =
-            std::max(last_error_use_[j],
-                     utilisation_of(LimitKind::contour, measure(blend).contour_deviation, *corner.contour_max));
-    }
     DesignResult result = assess(task_, *filter, delays, false);
+    for (const LimitUse& use : result.limits) {
+      if (use.kind != LimitKind::corner_error && use.kind != LimitKind::contour) continue;
+      for (std::size_t j = 0; j < delays.size(); ++j) {
+        if (task_.corners[j].name == use.corner) last_error_use_[j] = std::max(last_error_use_[j], use.utilisation);
+      }
+    }
     if (result.status != Status::feasible) {
       last_message_ = result.message;
       return false;

@@ -108,13 +108,18 @@ class InPosition {
   /// The delay that an in-position width gives corner j.
   int delay_at(std::size_t j, double width) const {
     const ControllerSettings& control = *result_.task.settings;
-    const Filter& watched = control.in_position_actual ? behind_.motion() : behind_.command();
-    const auto taps = watched.taps();
-    const double step = result_.task.corners[j].geometry().feed_in * result_.task.sample_period;
+    const Corner& g = result_.task.corners[j].geometry();
+    const double step = g.feed_in * result_.task.sample_period;
     for (int d = 0;; ++d) {
-      double way = 0.0;
-      for (int i = d + 1; i < static_cast<int>(taps.size()); ++i) way += taps[static_cast<std::size_t>(i)] * (i - d);
-      if (step * way <= width || d > watched.order())
+      double squares = 0.0;
+      for (Eigen::Index a = 0; a < g.axes(); ++a) {
+        const Filter& watched =
+            control.in_position_actual ? behind_.motion(static_cast<std::size_t>(a)) : behind_.command();
+        double way = 0.0;
+        for (int i = d + 1; i <= watched.order(); ++i) way += watched.tap(i) * (i - d);
+        squares += g.direction_in[a] * g.direction_in[a] * way * way;
+      }
+      if (step * std::sqrt(squares) <= width || d > behind_.longest_order())
         return d + static_cast<int>(std::lround(control.in_position_latency / result_.task.sample_period));
     }
   }

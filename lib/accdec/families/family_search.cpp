@@ -43,6 +43,10 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
   const Cascade narrowest(std::span(&taps, 1), 0, 0);
   const Response response(task.machine, task.sample_period);
   std::optional<Filter> motion;
+  if (!response.common()) {
+    for (const TaskCorner& corner : task.corners) least_delays_.push_back(corner.delay.value_or(0));
+    return;
+  }
   if (!response.ideal()) motion = response.motion(make_filter({.kind = Shape::boxcar, .order = taps - 1}));
   const int last = motion ? motion->order() + 1 : taps;
   for (const TaskCorner& corner : task.corners) {
@@ -115,6 +119,7 @@ bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec&
 }
 
 void FamilySearch::offer(const FilterSpec& spec) {
+  if (refusals_.refuses_first_tap(spec)) return;
   ++tried_;
   // A filter of a million taps has up to a million delays, or frequencies, to check.
   const auto late = [this] { return this->late(); };
@@ -129,15 +134,25 @@ void FamilySearch::offer(const FilterSpec& spec) {
   delays_ = *delays;
 }
 
-/// Whether some corner's error bound needs a delay that costs too much.
+/// Whether the delays that the corners' error bounds need cost too much together.
 bool FamilySearch::too_slow(const Cascade& cascade) const {
   if (cheapest_ == unlimited || by_feed_) return false;
-  const double room = cheapest_ - cost_(cascade.order(), least_delays_);
+  double room = cheapest_ - cost_(cascade.order(), least_delays_);
   for (std::size_t j = 0; j < task_.corners.size(); ++j) {
     const TaskCorner& corner = on_taps_->corners[j];
     if (corner.delay || !corner.error_max) continue;
-    const int delay = least_delays_[j] + static_cast<int>(std::min(room / cost_.delay[j], 1e8));
-    if (!may_hold_error(cascade, corner, task_.sample_period, delay)) return true;
+    const auto may_hold = [&](int delay) { return may_hold_error(cascade, corner, task_.sample_period, delay); };
+    int low = least_delays_[j], high = low + static_cast<int>(std::min(room / cost_.delay[j] * (1.0 + 1e-9), 1e8));
+    if (!may_hold(high)) return true;
+    // The others have what this corner leaves of the room.
+    while (low < high && j + 1 < task_.corners.size()) {
+      const int middle = low + (high - low) / 2;
+      if (may_hold(middle))
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    if (j + 1 < task_.corners.size()) room -= cost_.delay[j] * (high - least_delays_[j]);
   }
   return false;
 }

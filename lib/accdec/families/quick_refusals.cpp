@@ -67,6 +67,13 @@ bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec
   return rings(lengths, spec);
 }
 
+bool QuickRefusals::refuses_first_tap(const FilterSpec& spec) const {
+  if (spec.kind != Shape::exponential || spec.pairs > 0 || !(spec.ratio > 0.0 && spec.ratio < 1.0)) return false;
+  constexpr double looser = 1.0 - 1e-9;  // than rounding
+  const double fall = std::log(spec.ratio), first = std::expm1(fall) / std::expm1(fall * (spec.order + 1));
+  return looser * first > std::min(bounds_.most, bounds_.step);
+}
+
 bool QuickRefusals::rings(std::span<const int> lengths, const FilterSpec& spec) {
   const int delay = static_cast<int>(spec.pair_delay);
   const std::array<int, 2> delays{delay, delay};

@@ -26,6 +26,8 @@ class QuickRefusals {
 
   /// Whether a cascade's lengths alone tell: the plateau, the first step, the vibration at a few frequencies.
   bool refuses(std::span<const int> lengths, const FilterSpec& spec);
+  /// Whether an exponential's first tap, its largest, is too large. False for other shapes.
+  bool refuses_first_tap(const FilterSpec& spec) const;
   /// Whether it breaks a limit where the last one did that broke one.
   bool fails_likewise(const Cascade& cascade) const;
   /// Whether a filter may start every leg and stop it: what most do not, and the cheapest to see on taps not yet

@@ -16,12 +16,13 @@
 namespace accdec {
 namespace {
 
-/// All members of a family by their orders, with the stages' lengths of the one visited last.
+/// All members of a family with so many stages by their orders, with the stages' lengths of the one visited last.
 class Members {
  public:
-  Members(const Task& task, SettingFamily family)
+  Members(const Task& task, SettingFamily family, int stages_on)
       : task_(task),
         family_(family),
+        stages_on_(stages_on),
         shaper_(family == SettingFamily::shaper ? task.settings->shaper : nullptr),
         pairs_(shaper_ != nullptr ? shaper_->pairs : 0),
         delays_(shaper_ != nullptr ? shaper_delays(task, task.design.order_max) : std::vector{0.0}) {
@@ -52,7 +53,7 @@ class Members {
     for (const double delay : delays_) {
       pair_delay_ = delay;
       const int left = order - FilterSpec{.pairs = pairs_, .pair_delay = delay}.full_order();
-      if (left < 0 || !stage(0, left, visit)) return;
+      if (left < 0 || !stage(0, stages_on_, left, visit)) return;
     }
   }
 
@@ -79,19 +80,21 @@ class Members {
     }
   }
 
-  /// Equal stages are in any order: their lengths fall.
-  bool stage(std::size_t s, int left, const MemberVisitor& visit) {
+  /// Equal stages are in any order: their lengths fall. @param on  stages from here on that are not off
+  bool stage(std::size_t s, int on, int left, const MemberVisitor& visit) {
+    if (on > static_cast<int>(lengths_.size() - s)) return true;
     const bool as_before = s > 0 && lengths_[s] == lengths_[s - 1];
     const int most = as_before ? current_[s - 1] : left + 1;
     if (s + 1 == lengths_.size()) {
-      if (left + 1 > most || allowed_[s][static_cast<std::size_t>(left) + 1] == 0) return true;
+      if (left + 1 > most || allowed_[s][static_cast<std::size_t>(left) + 1] == 0 || on != (left > 0 ? 1 : 0))
+        return true;
       current_[s] = left + 1;
       return offer(visit);
     }
     for (const int length : lengths_[s]) {
-      if (length > most || length - 1 > left) break;
+      if (length > most || length - 1 > left || (length > 1 && on == 0)) break;
       current_[s] = length;
-      if (!stage(s + 1, left - (length - 1), visit)) return false;
+      if (!stage(s + 1, on - (length > 1 ? 1 : 0), left - (length - 1), visit)) return false;
     }
     return true;
   }
@@ -109,6 +112,7 @@ class Members {
 
   const Task& task_;
   SettingFamily family_;
+  int stages_on_;
   const ShaperInfo* shaper_;
   int pairs_, multiple_ = 0;
   std::vector<double> delays_;  ///< between impulses, samples; 0: there are none
@@ -118,10 +122,11 @@ class Members {
   std::vector<int> current_;
 };
 
-/// Searches one family for what is below the best so far.
-void search_family(const Task& task, SettingFamily family, const std::function<bool()>& stop, SettableDesign& best) {
+/// Searches one family for what is below the best so far. @param stages_on  of averages: how many are not off
+void search_family(const Task& task, SettingFamily family, int stages_on, const std::function<bool()>& stop,
+                   SettableDesign& best) {
   const Family& like = *find_family(family == SettingFamily::one_pole ? "exponential" : "averages");
-  Members members(task, family);
+  Members members(task, family, stages_on);
   const FamilySearch* search = nullptr;
   double cheapest = best.cost;
   std::vector<int> lengths;
@@ -215,8 +220,13 @@ SettableDesign best_settings(const Task& task, double seconds, const std::atomic
   const auto stop = [=] { return seconds_since(began) >= seconds || (cancel != nullptr && cancel->load()); };
   SettableDesign best;
   best.complete = true;
-  for (const SettingFamily family : task.settings->families) {
-    if (family != SettingFamily::taps) search_family(task, family, stop, best);
+  // Members of few stages are few, too. They are looked at in any time, and their best bounds the others.
+  for (int stages_on = 0; stages_on <= static_cast<int>(task.settings->stages.size()); ++stages_on) {
+    for (const SettingFamily family : task.settings->families) {
+      const bool cascade = family == SettingFamily::averages || family == SettingFamily::shaper;
+      if (cascade || (stages_on == 1 && family != SettingFamily::taps))
+        search_family(task, family, stages_on, stop, best);
+    }
   }
   return best;
 }

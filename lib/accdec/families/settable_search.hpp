@@ -23,8 +23,9 @@ struct SettableDesign {
 };
 
 /// Searches every family that the task's settings name, all members of every order within the task's bounds, each with
-/// the cheapest delays of the kinds named. Members are left out by lower bounds on the cost alone. Among equal costs
-/// the first family and the lowest order count. The answer is not simulated, and free taps are not a family here.
+/// the cheapest delays of the kinds named. Members are left out by lower bounds on the cost alone. Members of few
+/// stages come first, so that time that ends early leaves none of these out. Among equal costs count the fewest stages,
+/// then the first family, then the lowest order. The answer is not simulated, and free taps are not a family here.
 /// @param task     with settings that name a family; its own filter, if any, is ignored
 /// @param seconds  of wall time
 /// @param cancel   ends the search as the time does; null: nothing does

@@ -97,6 +97,7 @@ class Writer {
     member("objective", to_string(proof.objective));
     if (proof.objective == Objective::cycle) member("runs", proof.runs);
     member("schema", Name("accdec.certificate/1"));
+    if (proof.smoothed) member("smoothed", true);
     member("tolerance", proof.tolerance);
     member("tree", proof.tree);
     text += '}';

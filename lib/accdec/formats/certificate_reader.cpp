@@ -171,7 +171,7 @@ proof::Lemma read_lemma(const Value& value) {
 
 proof::BranchAndBound read_branch_and_bound(const Value& value) {
   value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"},
-                {"runs", "conflict", "corner_of", "lemmas", "tolerance"});
+                {"runs", "conflict", "corner_of", "lemmas", "smoothed", "tolerance"});
   proof::BranchAndBound proof;
   proof.objective = value["objective"].word({Objective::cycle, Objective::corner});
   if (proof.objective == Objective::cycle) {
@@ -188,6 +188,7 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
     for (const Value& kind : value["corner_of"].elements())
       proof.corner_of.push_back(static_cast<int>(kind.integer(0, 100'000'000)));
   }
+  if (value.has("smoothed")) proof.smoothed = value["smoothed"].boolean();
   const std::string sets = value["multipliers"].pointer();
   proof.multipliers = read_list(value["multipliers"].json(), sets, [&](const Entry& set) {
     const std::string rows = fmt::format("{}/{}", sets, set.index());
@@ -259,14 +260,14 @@ Certificate read_packed(const Value& value) {
 
 Certificate read_certificate(const Value& value) {
   value.members({"kind"}, {"gzip", "schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                           "multipliers", "tolerance", "tree", "refuted", "taps"});
+                           "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps"});
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
     value.members({"kind"}, {"schema"});
     return {proof::Enumeration{}};
   }
   value.members({"kind", "schema"}, {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                                     "multipliers", "tolerance", "tree", "refuted", "taps"});
+                                     "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps"});
   require_schema(value);
   if (kind == "packed") return read_packed(value);
   if (kind == "constant feed") {

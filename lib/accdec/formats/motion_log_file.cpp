@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +12,7 @@
 #include <accdec/files.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/files/units.hpp>
+#include <accdec/formats/filter_table.hpp>
 #include <accdec/formats/log_rows.hpp>
 #include <accdec/formats/motion_log_file.hpp>
 
@@ -145,20 +147,38 @@ std::string listed(const std::vector<double>& numbers) {
 
 /// The keys of [filter].
 std::string filter_keys_of(const FilterSpec& spec) {
-  if (spec.kind == Shape::averages)
-    return fmt::format("kind = \"averages\"\nlengths = [{}]\n", fmt::join(spec.lengths, ", "));
-  if (spec.kind == Shape::exponential)
-    return fmt::format("kind = \"exponential\"\norder = {}\nratio = {}\n", spec.order, spec.ratio);
-  return fmt::format("kind = \"taps\"\ntaps = {}\n", listed(spec.taps));
+  std::string text;
+  const nlohmann::ordered_json filter = filter_to_json(spec);
+  for (const auto& [key, value] : filter.items()) {
+    // It follows from them.
+    if (key == "order" && (filter.contains("lengths") || filter.contains("taps"))) continue;
+    text += fmt::format("{} = {}\n", key, value.is_array() ? listed(value.get<std::vector<double>>()) : value.dump());
+  }
+  return text;
 }
 
 std::string in_words(const FittedFilter& fit, double period) {
-  if (fit.family == SettingFamily::taps) return fmt::format("{} taps", fit.filter.order + 1);
-  if (fit.family == SettingFamily::one_pole)
-    return fmt::format("a pole with a time constant of {:.5g} ms", 1e3 * fit.time_constant);
+  const FilterSpec& spec = fit.filter;
+  const double length = std::round(1e9 * (spec.order + 1) * period) / 1e6;
+  switch (fit.family) {
+    case SettingFamily::taps: return fmt::format("{} taps", spec.order + 1);
+    case SettingFamily::one_pole:
+      return fmt::format("a pole with a time constant of {:.5g} ms", 1e3 * fit.time_constant);
+    case SettingFamily::exponential:
+      return fmt::format("an exponential of {} ms with a time constant of {:.5g} ms", length, 1e3 * fit.time_constant);
+    case SettingFamily::gaussian: return fmt::format("a Gaussian of {} ms, alpha {:.4g}", length, spec.alpha);
+    case SettingFamily::windowed_sinc:
+      return fmt::format("a windowed sinc of {} ms, cut-off {:.5g} Hz", length, 0.5 * spec.cutoff / period);
+    case SettingFamily::averages:
+    case SettingFamily::shaper: break;
+  }
   std::vector<double> ms;
-  for (const int length : fit.filter.lengths) ms.push_back(std::round(1e9 * length * period) / 1e6);
-  return fmt::format("average{} of {} ms", ms.size() == 1 ? "" : "s", fmt::join(ms, ", "));
+  for (const int taps : spec.lengths) ms.push_back(std::round(1e9 * taps * period) / 1e6);
+  const std::string text = fmt::format("average{} of {} ms", ms.size() == 1 ? "" : "s", fmt::join(ms, ", "));
+  const ShaperInfo* shaper = shaper_of(spec);
+  if (shaper == nullptr) return text;
+  return fmt::format("{}{} at {:.4g} Hz (impulses {:.5g} samples apart)", spec.order == 0 ? "" : text + " with ",
+                     shaper->title, shaper->delay_periods / (spec.pair_delay * period), spec.pair_delay);
 }
 
 }  // namespace
@@ -185,7 +205,7 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
     text += fmt::format("# delay at the corner: {} samples\n",
                         found.moves[1].first - found.moves[0].first - found.moves[0].samples);
   if (best.family == SettingFamily::taps)
-    text += "# no averages and no pole fit nearly as well\n";
+    text += "# no family of settings fits nearly as well\n";
   else
     text += fmt::format("# likelihood {:.3g} among all members, at noise of {:.4g} um\n", best.likelihood,
                         1e6 * found.noise);

@@ -30,18 +30,6 @@ void require_end(const Table& table, const Axis& axis, double period) {
                             axis.servo_gain, length, 1e3 * period, response_taps_max));
 }
 
-/// One response of all axes.
-void require_common(const Table& table, const Axis& axis, const Axis& first) {
-  const auto refuse = [&](std::string_view key) {
-    table.fail_at(key, fmt::format("`{}` of axis {} is not that of axis {}; this command needs one response of all "
-                                   "axes, `accdec design` and `accdec evaluate` take any",
-                                   key, axis.name, first.name));
-  };
-  if (axis.servo_gain != first.servo_gain) refuse("servo_gain_1_s");
-  if (axis.velocity_feedforward != first.velocity_feedforward) refuse("velocity_feedforward");
-  if (axis.response_taps != first.response_taps) refuse("response_taps");
-}
-
 void require_averaging(const Table& table, const Axis& axis) {
   if (std::any_of(axis.response_taps.begin(), axis.response_taps.end(), [](double tap) { return tap < 0.0; })) {
     table.fail_at("response_taps",
@@ -141,7 +129,6 @@ void check_response(const Table& top, const Task& task, Considered considered, b
     require_considered(tables[i], force_speed_key, considered);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
-    if (considered == Considered::common && !program) require_common(tables[i], axis, task.machine.axes.front());
     if (considered == Considered::common) require_averaging(tables[i], axis);
   }
 }

@@ -14,6 +14,7 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task/not_considered.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
@@ -184,6 +185,8 @@ std::string result_to_json(const DesignResult& result) {
     settings["settings"] = settings_to_json(result);
     settings["family_bound_s"] = number(result.family_bound);
     settings["free_taps_s"] = number(result.free_taps);
+  } else if (const std::string answer = settings_answer(result); !answer.empty()) {
+    settings["answer"] = answer.substr(0, answer.size() - 1);  // without its line feed
   }
   std::string text;
   // For a hundred thousand corners the text has some hundred megabytes: growing step by step would copy it once more.

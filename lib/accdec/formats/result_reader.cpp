@@ -287,7 +287,7 @@ DesignResult read_members(const Json& json, const std::string& name) {
                       saved["family"],
                       saved["complete"]};
   }
-  if (result.settings) check_answer(json["settings"], result);
+  check_answer(json, result);
   result.message = json["message"].get<std::string>();
   if (const auto proof = json.find("certificate"); proof != json.end() && !proof->is_null())
     result.certificate = std::make_shared<Certificate>(certificate_of(*proof));

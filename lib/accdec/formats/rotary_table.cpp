@@ -41,7 +41,7 @@ std::vector<Key> rotary_keys() {
     keys.push_back({.name = std::string(one.key),
                     .meaning = std::string(one.meaning),
                     .unit = std::string(one.unit),
-                    .range = {0.0, one.most, true},
+                    .range = {0.0, one.most, Axis{}.*one.value != 0.0},  // none of it is what a missing key says
                     .fallback = Axis{}.*one.value == 0.0 ? "0" : "no limit",
                     .example = std::string(one.example)});
   return keys;

@@ -108,9 +108,13 @@ ChosenSettings settings_from_json(const Json& json, const toml::table& filter, c
 }
 
 void check_answer(const Json& json, const DesignResult& result) {
-  const auto told = json.find("answer");
-  if (told != json.end() && *told != answer_of(result))  // older results have none
-    throw InputError("", 0, 0, "is not what the other members say", "/settings/answer");
+  const auto check = [&](const Json& place, const char* pointer) {
+    const auto told = place.find("answer");
+    if (told != place.end() && *told != answer_of(result))  // older results have none
+      throw InputError("", 0, 0, "is not what the other members say", pointer);
+  };
+  check(json, "/answer");
+  if (result.settings) check(json["settings"], "/settings/answer");
 }
 
 }  // namespace accdec

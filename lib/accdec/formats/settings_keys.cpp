@@ -119,7 +119,7 @@ std::vector<Key> about_parameters() {
 Key set_of_stage(int stage) {
   return {.name = fmt::format("length_set_{}_ms", stage),
           .type = KeyType::numbers,
-          .meaning = fmt::format("with `length_set_ms`: the times of stage {}, where they differ", stage),
+          .meaning = fmt::format("the times that stage {} can have, where they differ from the others'", stage),
           .unit = "ms",
           .range = {0.0, longest_ms, true},
           .most = longest_set,

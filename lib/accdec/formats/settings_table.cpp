@@ -41,25 +41,34 @@ void spread(const Table& table, std::string_view key, std::vector<double> times,
 
 /// Sets of times in place of steps and caps: of all stages, and of those that differ.
 void read_sets(const Table& table, double period, std::vector<SettableStage>& stages) {
-  const auto key_of = [](std::size_t stage) { return fmt::format("length_set_{}_ms", stage + 1); };
+  const auto own_key = [&](std::size_t stage) {
+    const std::string key = fmt::format("length_set_{}_ms", stage + 1);
+    return stage > 0 && table.has(key) ? key : "";
+  };
   for (const std::size_t stage : {1, 2}) {
-    const std::string key = key_of(stage);
-    if (!table.has(key)) continue;
-    if (!table.has("length_set_ms")) table.fail_at(key, fmt::format("`{}` goes with `length_set_ms`", key));
-    if (stage >= stages.size())
+    const std::string key = own_key(stage);
+    if (!key.empty() && stage >= stages.size())
       table.fail_at(key, fmt::format("`{}` is of stage {}; there {} {}", key, stage + 1,
                                      stages.size() == 1 ? "is" : "are", stages.size()));
+    for (const std::string_view other : {"length_step_ms", "length_max_ms"}) {
+      if (!key.empty() && table.has(other) && table.numbers(other).size() > 1)
+        table.fail_at(other,
+                      fmt::format("`{}` has a number for stage {}, whose times are those of `{}`; allowed is one "
+                                  "number, for the other stages",
+                                  other, stage + 1, key));
+    }
   }
-  if (!table.has("length_set_ms")) return;
+  const bool all = table.has("length_set_ms");
   for (const std::string_view key : {"length_step_ms", "length_max_ms"}) {
-    if (table.has(key))
+    if (all && table.has(key))
       table.fail_at(key, fmt::format("`{}` and `length_set_ms` are both given; allowed is either the set of all "
                                      "lengths, or a step and a cap",
                                      key));
   }
   for (std::size_t i = 0; i < stages.size(); ++i) {
-    const bool own = i > 0 && table.has(key_of(i));
-    std::vector<double> set = whole_samples(table, own ? key_of(i) : "length_set_ms", period);
+    const std::string own = own_key(i);
+    if (!all && own.empty()) continue;
+    std::vector<double> set = whole_samples(table, own.empty() ? "length_set_ms" : own, period);
     std::sort(set.begin(), set.end());
     set.erase(std::unique(set.begin(), set.end()), set.end());
     stages[i].length_set = std::move(set), stages[i].length_step = stages[i].length_max = 0.0;

@@ -74,8 +74,8 @@ Response::Response(const Machine& machine, double period) {
     servo_.push_back(same ? servo_.front() : servo_of(axis, period));
     const std::vector<double>& taps = servo_.back();
     // As proofs see it: equal taps of different gains, fed forward as a whole, count as different.
-    common_ = common_ && (same || servo_.size() == 1) &&
-              std::all_of(taps.begin(), taps.end(), [](double tap) { return tap >= 0.0; });
+    averages_ = averages_ && std::all_of(taps.begin(), taps.end(), [](double tap) { return tap >= 0.0; });
+    common_ = common_ && averages_ && (same || servo_.size() == 1);
     servo_order_ = std::max(servo_order_, static_cast<int>(taps.size()) - 1);
   }
 }
@@ -126,6 +126,14 @@ bool servos_differ(const Machine& machine) {
     return axis.servo_gain != first.servo_gain || axis.velocity_feedforward != first.velocity_feedforward ||
            axis.response_taps != first.response_taps;
   });
+}
+
+Axis averaging(Axis axis) {
+  if (axis.response_taps.empty()) return axis;
+  for (double& tap : axis.response_taps) tap = std::max(0.0, tap);
+  const double sum = std::accumulate(axis.response_taps.begin(), axis.response_taps.end(), 0.0);
+  for (double& tap : axis.response_taps) tap /= sum;
+  return axis;
 }
 
 void give_slowest_servo(Machine& machine, double period) {

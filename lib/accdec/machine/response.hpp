@@ -32,6 +32,8 @@ class Response {
   bool ideal() const { return prefilter_.empty() && servo_.empty(); }
   /// One response of all axes, without negative taps. The motion is then that of one filter, see `motion`.
   bool common() const { return common_; }
+  /// No servo has a negative tap: formulas hold for the filter of every axis, see FilterBehind.
+  bool averages() const { return averages_; }
   /// Taps of the smoothing, and of one axis' servo; {1} where there is none.
   std::vector<double> prefilter() const { return prefilter_.empty() ? std::vector{1.0} : prefilter_; }
   std::vector<double> servo(std::size_t axis) const { return servo_.empty() ? std::vector{1.0} : servo_[axis]; }
@@ -52,7 +54,7 @@ class Response {
   std::vector<double> prefilter_;
   std::vector<std::vector<double>> servo_;  ///< one an axis; empty if no axis has any
   int servo_order_ = 0;
-  bool common_ = true;
+  bool common_ = true, averages_ = true;
 };
 
 /// Part of a servo's response at which its taps end.
@@ -73,6 +75,8 @@ class FilterBehind {
   FilterBehind& operator=(const FilterBehind&) = delete;
 
   bool ideal() const { return motions_.empty(); }
+  /// Whether axes have filters of their own.
+  bool differs() const { return motions_.size() > 1; }
   /// The motion's filters where they are others: one for all axes, or one an axis. Empty if ideal.
   std::span<const Filter> servo() const { return motions_; }
   const Filter& command() const { return command_ ? *command_ : designed_; }
@@ -98,6 +102,8 @@ class FilterBehind {
 bool has_servo(const Machine& machine);
 /// Whether the servos of two axes differ.
 bool servos_differ(const Machine& machine);
+/// An axis whose measured response has no negative taps any more: only averaging ones have a filter.
+Axis averaging(Axis axis);
 /// Gives all axes the servo of the one that lags most.
 void give_slowest_servo(Machine& machine, double period);
 /// @throws std::invalid_argument if an axis has a servo, which `what` does not consider

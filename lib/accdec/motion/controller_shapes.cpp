@@ -99,8 +99,8 @@ Filter exponential(int order, double ratio) {
 
 Filter gaussian(int order, double alpha) {
   if (order < 1) throw std::invalid_argument(fmt::format("gaussian needs order >= 1, got {}", order));
-  if (!(alpha >= 0.0 && alpha <= 6.0))
-    throw std::invalid_argument(fmt::format("gaussian needs 0 <= alpha <= 6, got {}", alpha));
+  if (!(alpha >= 0.0 && alpha <= gaussian_alpha_max))
+    throw std::invalid_argument(fmt::format("gaussian needs 0 <= alpha <= {}, got {}", gaussian_alpha_max, alpha));
   std::vector<double> taps;
   for (int i = 0; i <= order; ++i) {
     // Measured from the nearer end, so that the taps are symmetric to the last bit.

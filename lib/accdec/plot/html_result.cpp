@@ -12,8 +12,9 @@ namespace {
 /// The result of the design, in one or two sentences.
 std::string answer(const DesignResult& result) {
   std::string text = settings_answer(result);
-  if (text.empty()) text = fmt::format("{:.6g} ms", 1e3 * result.cycle_time);
-  if (result.settings)
+  const bool set = !text.empty();
+  if (!set) text = fmt::format("{:.6g} ms", 1e3 * result.cycle_time);
+  if (set)
     text.pop_back();  // its line feed
   else if (result.status == Status::optimal)
     text += ", proved: no filter and delays within the limits are shorter.";

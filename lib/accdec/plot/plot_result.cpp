@@ -11,7 +11,6 @@
 #include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/machine/response.hpp>
 #include <accdec/machine/signed_value.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/filter_panels.hpp>
@@ -303,8 +302,7 @@ std::vector<Panel> side_by_side(std::vector<Panel> left, std::vector<Panel> righ
 
 /// The task with the filter of today, its delays as small as they can be; without a filter if it breaks a limit.
 std::optional<DesignResult> today(const DesignResult& result) {
-  // The delays of a given filter are known for one response of all axes.
-  if (!result.task.baseline || !Response(result.task.machine, result.task.sample_period).common()) return {};
+  if (!result.task.baseline) return {};
   Task task = result.task;
   task.filter = std::exchange(task.baseline, {});
   task.settings.reset();

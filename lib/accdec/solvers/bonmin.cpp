@@ -138,7 +138,7 @@ class BonminSolver final : public Solver {
   std::string settings() const override {
     return "algorithm = " + algorithm_ +
            ", tol = tolerance, constr_viol_tol = feasibility_tolerance / 10, allowable_gap = 5e-4, "
-           "allowable_fraction_gap = 0, no feasibility pump";
+           "allowable_fraction_gap = 0, bound_relax_factor = 0, no feasibility pump";
   }
 
  protected:
@@ -192,7 +192,8 @@ class BonminSolver final : public Solver {
 
   std::string options_text(const nlp::Problem& problem, const Options& options) const {
     std::string text = fmt::format(
-        "bonmin.algorithm {}\nbonmin.time_limit {}\ntol {}\nconstr_viol_tol {}\nbonmin.allowable_gap 5e-4\n"
+        "bonmin.algorithm {}\nbonmin.time_limit {}\ntol {}\nbound_relax_factor 0\nconstr_viol_tol "
+        "{}\nbonmin.allowable_gap 5e-4\n"
         "bonmin.allowable_fraction_gap 0\nbonmin.pump_for_minlp no\nbonmin.heuristic_feasibility_pump no\nprint_level "
         "0\nsb yes\n",
         algorithm_, options.time_limit, options.tolerance, 0.1 * options.feasibility_tolerance);

@@ -139,8 +139,21 @@ BaselineTable compare_with_baselines(const DesignResult& design, double seconds)
   return table;
 }
 
+namespace {
+
+/// Taps of a response at a shorter period: each is spread over the samples that one was.
+void spread(std::vector<double>& taps, int times) {
+  std::vector<double> finer;
+  for (const double tap : taps) finer.insert(finer.end(), static_cast<std::size_t>(times), tap / times);
+  taps = std::move(finer);
+}
+
+}  // namespace
+
 Task at_shorter_period(Task task, int times) {
   task.sample_period /= times;
+  spread(task.machine.prefilter_taps, times);
+  for (Axis& axis : task.machine.axes) spread(axis.response_taps, times);
   // N + 1 taps last (N + 1) T.
   task.design.order_min = std::max(0, (task.design.order_min + 1) * times - times);
   task.design.order_max = (task.design.order_max + 1) * times - 1;

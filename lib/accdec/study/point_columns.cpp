@@ -8,6 +8,7 @@
 #include <accdec/batch/row_numbers.hpp>
 #include <accdec/corner.hpp>
 #include <accdec/family.hpp>
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/study/point_columns.hpp>
@@ -142,10 +143,10 @@ std::string column_name(std::string_view computation, std::string_view column) {
 void find_peaks(PointOutcome& o, const Task& task, const Filter& filter, const std::vector<int>& delays) {
   Machine machine = task.machine;
   for (Axis& axis : machine.axes) axis.acceleration_max = axis.jerk_max = 1e12;
-  const FilterBehind behind(filter, machine, task.sample_period);
+  const Filter command = Response(machine, task.sample_period).command(filter);
   for (std::size_t j = 0; j < delays.size(); ++j) {
     for (const LimitUse& use :
-         axis_utilisation(behind.command(), task.corners[j].geometry(), delays[j], task.sample_period, machine)) {
+         axis_utilisation(command, task.corners[j].geometry(), delays[j], task.sample_period, machine)) {
       if (use.kind == LimitKind::acceleration) o.peak_acceleration = std::max(o.peak_acceleration, use.value);
       if (use.kind == LimitKind::jerk) o.peak_jerk = std::max(o.peak_jerk, use.value);
     }
@@ -153,18 +154,18 @@ void find_peaks(PointOutcome& o, const Task& task, const Filter& filter, const s
 }
 
 PointOutcome slowed_down(const Task& task) {
-  require_no_response(task.machine, "slow-down");
   require_no_shared_loads(task.machine, "slow-down");
   PointOutcome o;
   o.result.filter = make_filter(filter_of(task));
+  const FilterBehind behind(*o.result.filter, task.machine, task.sample_period);
   double lost = 0.0;
   for (const TaskCorner& corner : task.corners) {
     // Both distances fall with the feed: at the one that the contour allows, the error is that part of its own.
-    const CornerMeasures fast = measure(Blend(*o.result.filter, corner.geometry(), 0, task.sample_period));
+    const CornerMeasures fast = measure(behind, corner.geometry(), 0, task.sample_period);
     double allowed = corner.error_max.value_or(unlimited);
     if (corner.contour_max && fast.contour_deviation > *corner.contour_max)
       allowed = std::min(allowed, fast.corner_error * *corner.contour_max / fast.contour_deviation);
-    const SlowDown s = slow_down(*o.result.filter, corner.geometry(), task.sample_period, allowed);
+    const SlowDown s = slow_down(behind, corner.geometry(), task.sample_period, allowed);
     lost += corner.weight * s.lost_time;
     o.slowed_to = std::min(o.slowed_to, s.factor);
   }
@@ -179,8 +180,8 @@ PointOutcome slowed_down(const Task& task) {
 /// the first tap of the next together break a limit, it is a sample or two larger. Then their forces and jerks do not
 /// overlap either. Behind a servo the command stops exactly, not the motion.
 DesignResult exact_stop(const Task& task, const Filter& filter) {
-  const FilterBehind behind(filter, task.machine, task.sample_period);
-  const int apart = DelayFinder(behind.command()).exact_stop_delay();
+  const Filter command = Response(task.machine, task.sample_period).command(filter);
+  const int apart = DelayFinder(command).exact_stop_delay();
   DesignResult result;
   for (int d = apart; d <= apart + 2 && !result.filter; ++d) {
     result = assess(task, filter, std::vector<int>(task.corners.size(), d), false);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <accdec/corner.hpp>
-#include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec::study {
 
@@ -17,6 +17,6 @@ struct SlowDown {
 /// costs (1 - factor)(N + 1) T; for factor 0 that is the time of an exact stop. Limits of the machine are kept, because
 /// all speed changes are smaller than a full start or stop.
 /// @param error_max  m, >= 0
-SlowDown slow_down(const Filter& filter, const Corner& corner, double sample_period, double error_max);
+SlowDown slow_down(const FilterBehind& behind, const Corner& corner, double sample_period, double error_max);
 
 }  // namespace accdec::study

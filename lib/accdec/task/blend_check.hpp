@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <accdec/corner.hpp>
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task.hpp>
 #include <accdec/task/blend_limits.hpp>
@@ -30,37 +31,47 @@ int last_delay(const Task& task, int motion_order);
 /// Checks one corner's blend for one delay after another.
 class BlendCheck {
  public:
-  /// @param filter  of the motion: behind the machine's response  @param limits  of the designed filter
-  BlendCheck(const Filter& filter, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
-      : filter_(filter), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
+  /// @param behind  the designed filter behind the machine's response  @param limits  of the designed filter
+  BlendCheck(const FilterBehind& behind, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
+      : behind_(behind), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
   bool holds(int delay) {
-    // The error first: it takes a few samples, the limits all of them.
-    return error_holds(delay) && contour_holds(delay) &&
-           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_) && speed_holds(delay);
+    // The error first: it takes a few samples, the limits all of them, and most time.
+    return error_holds(delay) && speed_holds(delay) && contour_holds(delay) &&
+           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_);
+  }
+
+  /// Whether a longer delay may hold where this one does not. If the legs do not turn back, the corner becomes only
+  /// slower.
+  bool longer_may_hold(int delay) const {
+    if (!(corner_.speed_min > 0.0)) return true;
+    double along = 0.0;
+    for (std::size_t a = 0; a < legs_.in.size(); ++a) along += legs_.in[a] * legs_.out[a];
+    const Corner& g = corner_.geometry();
+    return along < -1e-12 * g.feed_in * g.feed_out || speed_holds(delay);
   }
 
   /// The cheapest part of it.
   bool error_holds(int delay) const {
     if (!corner_.error_max) return true;
-    const double error = corner_error(Blend(filter_, corner_.geometry(), delay, period_));
+    const double error = corner_error(behind_, corner_.geometry(), delay, period_);
     return judged_distance(error) <= *corner_.error_max * formula_slack;
   }
 
  private:
   bool contour_holds(int delay) const {
     if (!corner_.contour_max) return true;
-    const double deviation = measure(Blend(filter_, corner_.geometry(), delay, period_)).contour_deviation;
+    const double deviation = measure(behind_, corner_.geometry(), delay, period_).contour_deviation;
     return judged_distance(deviation) <= *corner_.contour_max * formula_slack;
   }
   bool speed_holds(int delay) const {
     if (!(corner_.speed_min > 0.0)) return true;
-    const int last = filter_.order() + delay + settling;
+    const int last = behind_.longest_order() + delay + settling;
     for (int k = 0; k <= last; ++k) {
-      const double remaining = filter_.remaining(k), gone = filter_.cumulative(k - delay);
       double speed_squared = 0.0;
       for (std::size_t a = 0; a < legs_.in.size(); ++a) {
-        const double v = legs_.in[a] * remaining + legs_.out[a] * gone;
+        const Filter& motion = behind_.motion(a);
+        const double v = legs_.in[a] * motion.remaining(k) + legs_.out[a] * motion.cumulative(k - delay);
         speed_squared += v * v;
       }
       if (corner_.speed_min > std::sqrt(speed_squared) * formula_slack) return false;
@@ -68,7 +79,7 @@ class BlendCheck {
     return true;
   }
 
-  const Filter& filter_;
+  const FilterBehind& behind_;
   const TaskCorner& corner_;
   double period_;
   const BlendLimits& limits_;

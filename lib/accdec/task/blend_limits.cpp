@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/blend_limits.hpp>
@@ -22,7 +23,12 @@ BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sa
   }
   for (const Mode& mode : machine.modes) {
     if (!mode.of_axis()) continue;
-    residuals_.push_back({&mode, residual_utilisation(filter_, 0.0, 1.0, 0, period_, mode).utilisation});
+    const auto at_end = [&](double f) {
+      return residual_amplitude(filter_, 0.0, 1.0, 0, f, period_, mode.damping_low) / mode.displacement_max;
+    };
+    residuals_.push_back({&mode,
+                          residual_utilisation(filter_, 0.0, 1.0, 0, period_, mode).utilisation,
+                          {at_end(mode.frequency_low), at_end(mode.frequency_high)}});
     slowest_ = std::max(slowest_, static_cast<int>(std::min(1e6, std::ceil(1.0 / (mode.frequency_low * period_)))));
   }
 }
@@ -119,6 +125,18 @@ double still_speed(const double* in, const double* out, std::size_t axes) {
 
 }  // namespace
 
+namespace {
+
+/// Whether no limit of the axis is of another kind than velocity, acceleration and jerk.
+bool limits_motion_only(const Axis& axis) {
+  return std::ranges::all_of(axis_limits, [&](const AxisLimit& limit) {
+    return limit.kind == LimitKind::velocity || limit.kind == LimitKind::acceleration ||
+           limit.kind == LimitKind::jerk || axis.*limit.bound >= unlimited;
+  });
+}
+
+}  // namespace
+
 bool BlendLimits::sample_holds(std::size_t a, double in, double out, int delay, int k, double slack,
                                double still) const {
   const Axis& axis = machine_.axes[a];
@@ -145,8 +163,37 @@ AxisState BlendLimits::state(AxisSampler& sampler, const Axis& axis, double in, 
 }
 
 bool BlendLimits::holds(const double* in, const double* out, int delay, double slack, int* hint) const {
+  if (any_delay_holds(in, out, delay)) return true;
   return axes_hold(in, out, delay, slack, hint) && residuals_hold(in, out, delay, slack);
 }
+
+namespace {
+
+/// Speed that two legs give a mode together, by the rest of leg 1's swing after the delay and the angle it turned by.
+double together(double v1, double v2, double rest, double cosine) {
+  return std::sqrt(std::max(0.0, v2 * v2 + rest * v1 * (rest * v1 - 2.0 * v2 * cosine)));
+}
+
+/// The largest cosine from one angle to a larger one.
+double largest_cosine(double from, double to) {
+  constexpr double turn = 2.0 * std::numbers::pi;
+  return std::floor(to / turn) > std::floor(from / turn) || from <= 0.0 ? 1.0 : std::max(std::cos(from), std::cos(to));
+}
+
+/// An upper bound of that speed over a mode's ranges.
+double together_most(const Mode& mode, double v1, double v2, double seconds) {
+  const double low = 2.0 * std::numbers::pi * mode.frequency_low * seconds,
+               high = 2.0 * std::numbers::pi * mode.frequency_high * seconds;
+  const double from = low * std::sqrt(1.0 - mode.damping_high * mode.damping_high),
+               to = high * std::sqrt(1.0 - mode.damping_low * mode.damping_low);
+  const double cosine =
+      v1 * v2 > 0.0 ? -largest_cosine(from + std::numbers::pi, to + std::numbers::pi) : largest_cosine(from, to);
+  // The square is convex in what is left of leg 1's swing.
+  return std::max(together(v1, v2, std::exp(-mode.damping_low * low), cosine),
+                  together(v1, v2, std::exp(-mode.damping_high * high), cosine));
+}
+
+}  // namespace
 
 bool BlendLimits::residuals_hold(const double* in, const double* out, int delay, double slack) const {
   return std::ranges::all_of(residuals_, [&](const Residual& residual) {
@@ -154,11 +201,14 @@ bool BlendLimits::residuals_hold(const double* in, const double* out, int delay,
     const double v1 = in[a], v2 = out[a];
     const Mode& mode = *residual.mode;
     if (v1 == 0.0 || v2 == 0.0) return std::max(std::abs(v1), std::abs(v2)) * residual.of_one <= slack;
-    if ((std::abs(v1) + std::abs(v2)) * residual.of_one <= slack) return true;
+    const double seconds = delay * period_;
+    if (together_most(mode, v1, v2, seconds) * residual.of_one <= slack) return true;
     // Most delays that fail do so at an end of the ranges.
-    for (const double f : {mode.frequency_low, mode.frequency_high}) {
-      if (residual_amplitude(filter_, v1, v2, delay, f, period_, mode.damping_low) > slack * mode.displacement_max)
-        return false;
+    for (const bool end : {false, true}) {
+      const double swing = 2.0 * std::numbers::pi * (end ? mode.frequency_high : mode.frequency_low) * seconds;
+      const double turned = swing * std::sqrt(1.0 - mode.damping_low * mode.damping_low);
+      const double legs = together(v1, v2, std::exp(-mode.damping_low * swing), std::cos(turned));
+      if (legs * residual.at_end[end ? 1 : 0] > slack * (1.0 + 1e-12)) return false;
     }
     return residual_utilisation(filter_, v1, v2, delay, period_, mode).utilisation <= slack;
   });
@@ -174,16 +224,34 @@ bool BlendLimits::axes_hold(const double* in, const double* out, int delay, doub
     }
   }
   for (const std::size_t a : limited_) {
-    const Axis& axis = machine_.axes[a];
-    const double v1 = in[a], v2 = out[a];
-    AxisSampler sampler(axis, period_, still);
-    for (int k = 0; k <= last; ++k) {
-      if (accdec::holds(axis, state(sampler, axis, v1, v2, delay, k, still), slack)) continue;
-      if (hint != nullptr) *hint = k;
-      return false;
-    }
+    const int broken = first_broken(machine_.axes[a], in[a], out[a], delay, last, slack, still);
+    if (broken < 0) continue;
+    if (hint != nullptr) *hint = broken;
+    return false;
   }
   return supply_holds(in, out, delay, slack, still);
+}
+
+int BlendLimits::first_broken(const Axis& axis, double in, double out, int delay, int last, double slack,
+                              double still) const {
+  if (limits_motion_only(axis)) {
+    // The same at a fraction of the time. Between the legs no axis is faster than on the faster one.
+    if (std::max(std::abs(in), std::abs(out)) > axis.velocity_max * slack) return 0;
+    const double step_max = axis.acceleration_max * slack * period_,
+                 change_max = axis.jerk_max * slack * period_ * period_;
+    double before = 0.0;
+    for (int k = 0; k <= last; ++k) {
+      const double step = out * filter_.tap(k - 1 - delay) - in * filter_.tap(k - 1);
+      if (std::abs(step) > step_max || std::abs(step - before) > change_max) return k;
+      before = step;
+    }
+    return -1;
+  }
+  AxisSampler sampler(axis, period_, still);
+  for (int k = 0; k <= last; ++k) {
+    if (!accdec::holds(axis, state(sampler, axis, in, out, delay, k, still), slack)) return k;
+  }
+  return -1;
 }
 
 bool BlendLimits::supply_holds(const double* in, const double* out, int delay, double slack, double still) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <accdec/filter.hpp>
@@ -52,6 +53,8 @@ class BlendLimits {
   /// @param still  m/s, up to which an axis stands still
   bool sample_holds(std::size_t axis, double in, double out, int delay, int sample, double slack, double still) const;
   bool axes_hold(const double* in, const double* out, int delay, double slack, int* hint) const;
+  /// The first sample at which an axis breaks a limit; -1: none.
+  int first_broken(const Axis& axis, double in, double out, int delay, int last, double slack, double still) const;
   bool supply_holds(const double* in, const double* out, int delay, double slack, double still) const;
   /// Modes of axes: what a leg that starts or stops leaves, and what both leave together.
   bool residuals_hold(const double* in, const double* out, int delay, double slack) const;
@@ -72,7 +75,8 @@ class BlendLimits {
   std::vector<std::size_t> limited_;         // axes with any limit
   struct Residual {
     const Mode* mode;
-    double of_one;  // use by a start to 1 m/s
+    double of_one;                 // largest use by a start to 1 m/s
+    std::array<double, 2> at_end;  // the same at either end of the frequencies, with the least damping
   };
   std::vector<Residual> residuals_;  // of modes of axes
   int slowest_ = 0;                  // samples that the slowest of them swings once

@@ -175,9 +175,10 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
 constexpr const char* late = "not checked in time";
 
 /// Delays below the claimed one that the error alone does not exclude.
-std::vector<int> delays_to_try(const TaskCorner& corner, const Legs& legs, int claimed,
+std::vector<int> delays_to_try(const Task& task, const TaskCorner& corner, const Legs& legs, int claimed,
                                const std::function<bool()>& stop) {
-  if (corner.error_max)
+  // If axes respond differently, the ways left and gone are not along the legs.
+  if (corner.error_max && Response(task.machine, task.sample_period).common())
     return ErrorRanges(corner.geometry(), legs, granted_error(*corner.error_max), stop).open(claimed);
   std::vector<int> all(static_cast<std::size_t>(claimed));
   std::iota(all.begin(), all.end(), 0);
@@ -199,7 +200,7 @@ std::string check_smallest_delays(const Task& task, const Filter& filter, const 
     const TaskCorner& corner = task.corners[j];
     if (corner.delay || delays[j] == 0) continue;
     const Legs legs = simulate_legs(task, filter, corner.geometry());
-    for (const int d : delays_to_try(corner, legs, delays[j], stop)) {
+    for (const int d : delays_to_try(task, corner, legs, delays[j], stop)) {
       if (stop && stop()) return late;
       // Next to a bound the sums of legs and the simulation may round to different sides of it.
       if (!breaks(task, corner, legs, d) && verify_by_simulation(corner_alone(task, corner), filter, {d}).feasible) {

@@ -41,7 +41,7 @@ class CornerFeeds {
   int most(const TaskCorner& corner) const {
     const int multiple = corner_feed_multiples(step_);
     if (!corner.error_max) return multiple;
-    const double error = corner_error(Blend(behind_.motion(), corner.geometry(), 0, task_.sample_period));
+    const double error = corner_error(behind_, corner.geometry(), 0, task_.sample_period);
     const double allowed = *corner.error_max * (1.0 + 1e-6) + position_floor;
     return multiple * step_ * error > allowed ? static_cast<int>(allowed / (step_ * error)) : multiple;
   }
@@ -51,7 +51,7 @@ class CornerFeeds {
     const Corner& g = corner.geometry();
     TaskCorner slow = corner;
     slow.set_feeds(part * g.feed_in, part * g.feed_out);
-    return BlendCheck(behind_.motion(), slow, task_, limits_).holds(0) &&
+    return BlendCheck(behind_, slow, task_, limits_).holds(0) &&
            step_holds(g.direction_in, g.feed_in, part * g.feed_in) &&
            step_holds(g.direction_out, part * g.feed_out, g.feed_out);
   }
@@ -59,7 +59,7 @@ class CornerFeeds {
     const std::vector<double> direction(along.begin(), along.end());
     const TaskCorner straight("", DirectedLegs{direction, direction}, before, after,
                               static_cast<int>(direction.size()));
-    return BlendCheck(behind_.motion(), straight, task_, limits_).holds(0);
+    return BlendCheck(behind_, straight, task_, limits_).holds(0);
   }
 
   const FilterBehind& behind_;

@@ -56,9 +56,9 @@ class KindChoice {
         kinds_(task.settings->delays),
         cost_(cost_of(task)),
         stop_(stop),
-        last_(least.apart() + behind.longer() + settling),
+        last_(least.apart() + behind.longest_order() - filter.order() + settling),
         best_(samples) {
-    for (const TaskCorner& corner : task.corners) checks_.emplace_back(behind.motion(), corner, task, limits);
+    for (const TaskCorner& corner : task.corners) checks_.emplace_back(behind, corner, task, limits);
     known_.assign(checks_.size(), std::vector<signed char>(static_cast<std::size_t>(last_) + 1, -1));
   }
 
@@ -121,7 +121,10 @@ class KindChoice {
       if (!names(kinds_, free)) continue;
       const int last = given.value_or(last_);
       for (int d = least_.of(j); d <= last && !late_; ++d) {
-        if (!holds(j, d)) continue;
+        if (!holds(j, d)) {
+          if (!checks_[j].longer_may_hold(d)) break;
+          continue;
+        }
         const bool stops = d >= least_.apart() && names(kinds_, DelayKind::exact_stop);
         return {d, stops ? DelayKind::exact_stop : free};
       }

@@ -12,28 +12,12 @@
 namespace accdec {
 namespace {
 
-/// Whether all starts from rest and all stops hold their limits. Delays do not change this.
+/// Whether all starts from rest and all stops hold their limits, modes of axes among them. Delays do not change this.
 bool ramps_hold(const BlendLimits& limits, const Task& task) {
   for (const TaskCorner& corner : task.corners) {
     const LegVelocities legs(corner.geometry());
     if (!limits.holds(legs.rest.data(), legs.in.data(), 0, formula_slack) ||
         !limits.holds(legs.out.data(), legs.rest.data(), 0, formula_slack))
-      return false;
-  }
-  return true;
-}
-
-/// Whether starts and stops leave the modes of axes within their bounds: the faster leg counts.
-bool residuals_of_legs_hold(const Filter& command, const Task& task) {
-  for (const Mode& mode : task.machine.modes) {
-    if (!mode.of_axis()) continue;
-    double fastest = 0.0;
-    for (const TaskCorner& corner : task.corners) {
-      const LegVelocities legs(corner.geometry());
-      const auto a = static_cast<std::size_t>(mode.axis);
-      fastest = std::max({fastest, std::abs(legs.in[a]), std::abs(legs.out[a])});
-    }
-    if (residual_utilisation(command, 0.0, fastest, 0, task.sample_period, mode).utilisation > formula_slack)
       return false;
   }
   return true;
@@ -57,7 +41,7 @@ bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const
   for (const LimitUse& use : vibration_utilisation(command, task.sample_period, task.machine, stop)) {
     if (use.utilisation > formula_slack) return false;
   }
-  return residuals_of_legs_hold(command, task);
+  return true;
 }
 
 int last_delay(const Task& task, int motion_order) {
@@ -77,9 +61,10 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
   for (const TaskCorner& corner : task.corners) {
     const double step_in = corner.geometry().feed_in * task.sample_period,
                  step_out = corner.geometry().feed_out * task.sample_period;
-    const int least = corner.error_max ? smallest(corner.geometry().cos_interior(), step_in, step_out,
-                                                  *corner.error_max * formula_slack)
-                                       : 0;
+    // If axes respond differently, any delay may hold an error.
+    const int least = corner.error_max && !behind.differs() ? smallest(corner.geometry().cos_interior(), step_in,
+                                                                       step_out, *corner.error_max * formula_slack)
+                                                            : 0;
     delays.push_back(corner.delay.value_or(least));
   }
   double cost = linear(filter.order(), delays);
@@ -89,11 +74,12 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
   for (std::size_t j = 0; j < delays.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     // From N + 1 on, the legs do not overlap, but the last step of one acceleration still meets the first of the other.
-    const int last = corner.delay.value_or(std::max(delays[j], last_delay(task, behind.motion().order())));
-    BlendCheck check(behind.motion(), corner, task, limits);
+    const int last = corner.delay.value_or(std::max(delays[j], last_delay(task, behind.longest_order())));
+    BlendCheck check(behind, corner, task, limits);
     for (;;) {
       if (stop && stop()) return std::nullopt;
       if (check.holds(delays[j])) break;
+      if (!check.longer_may_hold(delays[j])) return std::nullopt;
       cost += linear.delay[j];
       if (++delays[j] > last || cost >= samples) return std::nullopt;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <accdec/corner.hpp>
@@ -20,21 +21,34 @@ class InPosition {
  public:
   /// @param behind  of the designed filter
   InPosition(const FilterBehind& behind, const Task& task)
-      : watched_(task.settings->in_position_actual ? behind.motion() : behind.command()),
+      : behind_(behind),
+        actual_(task.settings->in_position_actual && !behind.ideal()),
         period_(task.sample_period),
         latency_(static_cast<int>(std::lround(task.settings->in_position_latency / period_))) {}
 
   int latency() const { return latency_; }  ///< samples
   /// Samples of leg 1 from its command's end until nothing is left of it.
-  int longest() const { return DelayFinder(watched_).exact_stop_delay(); }
+  int longest() const {
+    int most = DelayFinder(behind_.command()).exact_stop_delay();
+    for (const Filter& motion : actual_ ? behind_.servo() : std::span<const Filter>())
+      most = std::max(most, DelayFinder(motion).exact_stop_delay());
+    return most;
+  }
   /// The remaining way of leg 1 so many samples after its command's end, m: with a smaller width the next block waits
   /// longer.
   double way_left(const TaskCorner& corner, int samples) const {
-    return corner.geometry().feed_in * period_ * watched_.remaining_moment(samples);
+    const Corner& g = corner.geometry();
+    if (!actual_ || !behind_.differs())
+      return g.feed_in * period_ * (actual_ ? behind_.motion() : behind_.command()).remaining_moment(samples);
+    double squares = 0.0;
+    for (Eigen::Index a = 0; a < g.axes(); ++a)
+      squares += std::pow(g.direction_in[a] * behind_.motion(static_cast<std::size_t>(a)).remaining_moment(samples), 2);
+    return g.feed_in * period_ * std::sqrt(squares);
   }
 
  private:
-  const Filter& watched_;
+  const FilterBehind& behind_;
+  bool actual_;
   double period_;
   int latency_;
 };
@@ -52,7 +66,7 @@ class LeastDelays {
     const DelayFinder smallest(behind.motion());
     for (const TaskCorner& corner : task.corners) {
       least_.push_back(corner.delay.value_or(0));
-      if (corner.delay || !corner.error_max) continue;
+      if (corner.delay || !corner.error_max || behind.differs()) continue;
       const Corner& g = corner.geometry();
       const double allowed = std::max(*corner.error_max * formula_slack, position_floor) * (1.0 + 1e-9);
       least_.back() =

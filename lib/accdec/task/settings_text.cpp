@@ -51,9 +51,8 @@ std::string_view family_member(SettingFamily family) {
 }
 
 /// A corner with what a kind of delay sets there.
-std::string corner_in_words(const DesignResult& result, std::size_t j) {
+std::string corner_in_words(const DesignResult& result, std::size_t j, DelayKind kind) {
   const CornerResult& corner = result.corners[j];
-  const DelayKind kind = result.settings->delays[j];
   if (kind == DelayKind::corner_feed) return fmt::format("{} ({})", corner.name, corner_feed_in_words(result, j));
   if (kind != DelayKind::dwell && kind != DelayKind::timed_axis) return corner.name;
   return fmt::format("{} ({:.6g} ms)", corner.name, 1e3 * corner.delay * result.task.sample_period);
@@ -61,14 +60,14 @@ std::string corner_in_words(const DesignResult& result, std::size_t j) {
 
 /// The delays in words: ", exact stop at every corner".
 std::string delays_in_words(const DesignResult& result) {
-  const ChosenSettings& chosen = *result.settings;
+  const std::vector<DelayKind> chosen = chosen_delay_kinds(result);
   std::string text;
-  if (chosen.width) text += "; " + width_in_words(*chosen.width);
+  if (result.settings && result.settings->width) text += "; " + width_in_words(*result.settings->width);
   for (const DelayKindName& kind : delay_kinds) {
     if (kind.kind == DelayKind::in_position) continue;
     std::vector<std::string> corners;
-    for (std::size_t j = 0; j < chosen.delays.size(); ++j) {
-      if (chosen.delays[j] == kind.kind) corners.push_back(corner_in_words(result, j));
+    for (std::size_t j = 0; j < chosen.size(); ++j) {
+      if (chosen[j] == kind.kind) corners.push_back(corner_in_words(result, j, kind.kind));
     }
     if (corners.empty()) continue;
     constexpr std::size_t shown = 5;
@@ -117,7 +116,7 @@ std::string beside_taps(const DesignResult& result) {
   if (result.free_taps && *result.free_taps < time * (1.0 - 1e-9))
     text = fmt::format(" Free taps would take {} ({} less) or less.", milliseconds(*result.free_taps),
                        part(*result.free_taps));
-  if (result.lower_bound)
+  if (result.lower_bound && *result.lower_bound < time * (1.0 - 1e-9))
     text += fmt::format(" No filter takes less than {} ({} less).", milliseconds(*result.lower_bound),
                         part(*result.lower_bound));
   return text;
@@ -183,16 +182,74 @@ std::string settings_in_words(const ChosenSettings& settings) {
   return text;
 }
 
+std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result) {
+  if (result.settings) return result.settings->delays;
+  const auto& control = result.task.settings;
+  if (!control || control->delays.empty() || !result.filter) return {};
+  const bool dwells = control->names(DelayKind::dwell);
+  const Filter& filter = *result.filter;
+  const int apart = filter.last_nonzero_tap() - filter.first_nonzero_tap();
+  std::vector<DelayKind> kinds;
+  for (const CornerResult& corner : result.corners) {
+    if (corner.delay == 0 && control->names(DelayKind::continuous))
+      kinds.push_back(DelayKind::continuous);
+    else if (corner.delay == apart && control->names(DelayKind::exact_stop))
+      kinds.push_back(DelayKind::exact_stop);
+    else
+      kinds.push_back(dwells ? DelayKind::dwell : DelayKind::timed_axis);
+  }
+  return kinds;
+}
+
+namespace {
+
+/// The taps and delays that a control takes.
+std::string taps_in_words(const DesignResult& result) {
+  std::string text = fmt::format("the {} taps that `accdec export` writes", result.filter->order() + 1);
+  if (result.task.settings) return text + delays_in_words(result);
+  std::vector<std::string> delays;
+  for (std::size_t j = 0; j < std::min<std::size_t>(result.corners.size(), 5); ++j)
+    delays.push_back(corner_in_words(result, j, DelayKind::dwell));
+  const std::size_t more = result.corners.size() - delays.size();
+  return text + fmt::format("; delay at corner{} {}{}", result.corners.size() == 1 ? "" : "s", listed(delays),
+                            more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+/// Kinds of delays that free taps do without.
+std::string kinds_not_used(const DesignResult& result) {
+  const auto& control = result.task.settings;
+  if (result.settings || !control) return "";
+  std::string text;
+  if (control->names(DelayKind::in_position))
+    text += fmt::format(" In-position is not used: a {} waits as long as needed.",
+                        control->names(DelayKind::dwell) ? "dwell" : "timed axis");
+  if (control->names(DelayKind::corner_feed)) text += " Corner-feed is not considered with free taps.";
+  return text;
+}
+
+/// The proof behind the time.
+std::string proved_in_words(const DesignResult& result) {
+  const auto& control = result.task.settings;
+  if (result.status != Status::optimal) return "not proved best";
+  if (result.settings) return proved_best_in_words(*control);
+  return control && !control->controller.empty() && !control->names(DelayKind::corner_feed)
+             ? "proved best for this control"
+             : "proved best of free taps with delays";
+}
+
+}  // namespace
+
 std::string settings_answer(const DesignResult& result) {
-  if (!result.settings || !result.has_design()) return "";
+  const bool control = result.task.settings || !result.task.machine.prefilter_taps.empty();
+  if (!result.has_design() || !control || (!result.settings && result.task.filter)) return "";
   const double time = result.objective();
-  std::string text = fmt::format("Set these: {}{}. ", settings_in_words(*result.settings), delays_in_words(result));
+  std::string text =
+      fmt::format("Set these: {}. ", result.settings ? settings_in_words(*result.settings) + delays_in_words(result)
+                                                     : taps_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
-  text +=
-      fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all",
-                  result.status == Status::optimal ? proved_best_in_words(*result.task.settings) : "not proved best");
-  text += beside_taps(result);
-  if (result.savings) {
+  text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
+  text += beside_taps(result) + kinds_not_used(result);
+  if (result.savings && result.settings) {
     const double today = result.savings->today, saved = result.savings->total;
     text += fmt::format(" Today's setting takes {}; ", milliseconds(today));
     text += saved > 1e-9 * today

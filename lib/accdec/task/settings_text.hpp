@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <accdec/result.hpp>
 
@@ -21,8 +22,13 @@ std::string width_in_words(const WidthInterval& width);
 /// "40 % of the feed, 2400 mm/min, from 1.2 mm before to 1.2 mm behind it": a corner with DelayKind::corner_feed.
 std::string corner_feed_in_words(const DesignResult& result, std::size_t corner);
 
+/// How each corner's delay is made, of the kinds that the task's control has: as chosen with settings, else as free
+/// taps need it. Empty if the task names no kinds.
+std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result);
+
 /// The answer to a task of a controller, for its user: what to set, the time and what is proved about it. It also says
-/// what free taps would do and what the design saves against today's setting. A line or two; empty without settings.
+/// what free taps would do and what the design saves against today's setting. A line or two; empty if the task says
+/// nothing of a control (families, kinds of delays, a smoothing of its own).
 std::string settings_answer(const DesignResult& result);
 
 }  // namespace accdec

@@ -206,7 +206,7 @@ struct Lemma {
 struct ConstantFeed {
   bool operator==(const ConstantFeed&) const = default;
 };
-/// A corner's smallest speed is above what any filter keeps within its error, see task/corner_speed.hpp.
+/// A corner's smallest speed is above what any filter keeps within its error, by a closed form.
 struct CornerSpeed {
   bool operator==(const CornerSpeed&) const = default;
 };
@@ -219,11 +219,13 @@ struct BranchAndBound {
   Objective objective = Objective::cycle;
   double runs = 1.0;                     ///< Objective::cycle
   double tolerance = granted_tolerance;  ///< relative part by which the limits are wider than written
-  std::optional<double> bound_samples;   ///< of the objective (objective.hpp); none: there is no design at all
+  std::optional<double> bound_samples;   ///< of the objective; none: there is no design at all
   std::vector<std::string> conflict;     ///< where there is no design: the limits in conflict, in words
-  /// For tasks where equal corners are merged (equal_corners.hpp): the proof's corner for every corner of the task. The
-  /// proof's corners are numbered in the order of their first members. Empty: all as in the task.
+  /// For tasks where equal corners are merged: the proof's corner for every corner of the task. The proof's corners are
+  /// numbered in the order of their first members. Empty: all as in the task.
   std::vector<int> corner_of{};
+  /// The proof is about the task's filter and the control's smoothing behind it as one filter, of any taps.
+  bool smoothed = false;
   std::vector<Multipliers> multipliers;
   std::vector<Lemma> lemmas;
   std::vector<Node> tree;
@@ -270,7 +272,7 @@ struct CheckReport {
 /// @param stop  polled; true ends the check, which then has accepted nothing
 CheckReport check_certificate(const Task& task, const DesignResult& result, const std::function<bool()>& stop = {});
 
-/// The certificate of a task whose limits contradict each other whatever the filter (task/contradictions.hpp).
+/// The certificate of a task whose limits contradict each other whatever the filter.
 std::shared_ptr<const Certificate> certify_contradiction(const Task& task);
 
 }  // namespace accdec

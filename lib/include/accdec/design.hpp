@@ -54,7 +54,7 @@ DesignResult design_task(const Task& task, const DesignOptions& options = {});
 /// the optimum.
 DesignResult design_delays(const Task& task, const DesignOptions& options = {});
 
-/// Filter and delays by nonlinear programming, see Method::nlp. In nlp_search.cpp.
+/// Filter and delays by nonlinear programming, see Method::nlp.
 DesignResult design_nlp(const Task& task, const DesignOptions& options = {});
 
 /// A number of a task that restricts a design: the bound of a limit, a feed, the highest order, a given delay.

@@ -69,7 +69,7 @@ struct FamilyResult {
 /// Whether no corner's legs overlap: the machine stops at every corner.
 bool stops_exactly(const DesignResult& result);
 
-/// The least cost (objective.hpp) of one family under a task's limits, over all orders within the task's bounds and all
+/// The least cost (see Objective) of one family under a task's limits, over all orders within the task's bounds and all
 /// values of the family's parameters. Each corner has the smallest delay at which its error bound and all limits hold.
 /// Whole parameters (ramp, lengths, delay of a pair) are enumerated. A real one (cut-off, alpha, ratio) is searched by
 /// branch and bound, down to 1e-8 of its range. Only lower bounds exclude orders, delays and responses. Among equal

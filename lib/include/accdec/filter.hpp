@@ -88,8 +88,7 @@ Filter blackman(int order);
 /// window.
 Filter blackman_sinc(int order, double cutoff);
 
-/// Shapes that controllers offer in addition to those of shapes.hpp. All throw std::invalid_argument when an argument
-/// is out of the range given here.
+/// More shapes that controllers offer. They throw in the same way.
 
 /// Truncated exponential b_i ~ ratio^i, i = 0 .. N: "exponential Acc/Dec" with an end. order >= 0.
 /// @param ratio  0 < ratio <= exponential_ratio_max. Below 1: a truncated one-pole filter. 1: the boxcar. Above 1: a
@@ -97,8 +96,9 @@ Filter blackman_sinc(int order, double cutoff);
 inline constexpr double exponential_ratio_max = 1000.0;
 Filter exponential(int order, double ratio);
 
+inline constexpr double gaussian_alpha_max = 6.0;
 /// Gaussian exp(-(alpha x)^2/2), x = (i - N/2)/(N/2) from -1 to 1. order >= 1.
-/// @param alpha  half width over standard deviation, 0 <= alpha <= 6; 0 is the boxcar
+/// @param alpha  half width over standard deviation, 0 <= alpha <= gaussian_alpha_max; 0 is the boxcar
 Filter gaussian(int order, double alpha);
 
 /// No controller has nearly as many averages, and every one costs a pass over all taps.

@@ -35,14 +35,14 @@ struct Axis {
   double force_max = unlimited;         ///< N, on |F|
   double power_max = unlimited;         ///< W, on P = F V' (motoring)
   double regeneration_max = unlimited;  ///< W, on -P (braking)
-  double servo_gain = unlimited;        ///< 1/s, of the position control; unlimited: no following error (response.hpp)
+  double servo_gain = unlimited;        ///< 1/s, of the position control; unlimited: no following error
   double velocity_feedforward = 0.0;    ///< 0 .. 1, of the same
   std::vector<double> response_taps{};  ///< of sum 1, measured, instead of a gain; empty: none
   double coulomb = 0.0;                 ///< N, dry friction against the motion: F = m a' + c V' + coulomb sign(V')
   /// Force |F| that the drive has at a speed |V'|: straight from point to point, constant below the first, nothing
   /// beyond the last. Speeds rise from >= 0, forces fall, and the curve is concave. Empty: no curve.
   std::vector<SpeedForce> force_speed{};
-  /// N, on the force of a sample that is scaled to standstill (machine/force_speed.hpp): the curve's first force, or
+  /// N, on the force of a sample that is scaled to standstill along the curve: the curve's first force, or
   /// `unlimited` without a curve.
   double force_speed_max = unlimited;
   double force_rms_max = unlimited;  ///< N, thermal rating: root mean square of the force over a whole program

@@ -37,17 +37,16 @@ struct SampleCheck {
   bool errors_hold = true;
 };
 
-/// A lower bound on the time of motions that are sums of monotone legs, one a block (bounds/corner_bound.hpp). It holds
-/// if no other leg moves when the motion is fastest on a leg that counts. A free motion may be faster, see
-/// `any_motion`.
+/// A lower bound on the time of motions that are sums of monotone legs, one a block. It holds if no other leg moves
+/// when the motion is fastest on a leg that counts. A free motion may be faster, see `any_motion`.
 struct CornerBound {
   double time = 0.0;        ///< s
-  double any_motion = 0.0;  ///< s, any_motion_bound of the same program; by whoever asks for it
+  double any_motion = 0.0;  ///< s, that of any motion within the tolerances; 0: not asked for
   std::size_t corners = 0;  ///< joints that turn
   std::size_t counted = 0;  ///< of these, joints whose legs are longer than cutting their corners needs; the others
                             ///< cost nothing
   std::size_t classes = 0;  ///< linear programs solved
-  bool complete = true;     ///< false after corner_programs_max or if time ran out: further corners cost nothing
+  bool complete = true;     ///< false if programs or time ran out: further corners cost nothing
 };
 
 /// Blocks slowed because the filter breaks one axis limit at a start or stop at their programmed feed, with any delay.
@@ -154,7 +153,7 @@ struct ProgramResult {
   std::size_t worst_shown = 5;            ///< corners that JSON and the summary list
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays
-  std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not for programs of more than 200 000
+  std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not above `several_plans_max`
                                           ///< blocks, nor where no such plan holds
   bool kept_same_filter = false;  ///< that plan has this one's filter, which was chosen for other feeds; else its own
   std::optional<double> cycle_time_exact_stop;  ///< s, of a command: with an exact stop after every block (the chords
@@ -278,9 +277,9 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
                                     const std::function<void(const std::string&)>& progress,
                                     const Deadline& deadline = {});
 
-/// The filter for a program whose feeds are chosen. It is the best trapezoid by search_filter. If none holds, or if
-/// vibration bounds, force, power or a jerk limit alone may favour other taps, the filter of design_program_filter is
-/// tried too. It is taken if it is faster by a plan of the program.
+/// The filter for a program whose feeds are chosen. It is the best trapezoid. If none holds, or if vibration bounds,
+/// force, power or a jerk limit alone may favour other taps, the filter of design_program_filter is tried too. It is
+/// taken if it is faster by a plan of the program.
 /// @param time_limit  s; a fraction of it for the search
 /// @param deadline    as of design_program_filter
 ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
@@ -334,8 +333,6 @@ struct ProgramFile {
   bool interpreted = false;  ///< by rs274
 };
 
-inline constexpr double longest_chords = 2e-6;  ///< m, from their arcs at most
-
 /// Largest distance in m of chords from their arcs so that planning them is like planning the arc. It is the sagitta a
 /// T^2/8 that the arc's fastest motion, v = sqrt(a R), passes in a sample, for any radius. Here a is the smallest
 /// acceleration limit of an axis. Longer chords turn the velocity in larger steps than the arc does from sample to
@@ -345,7 +342,7 @@ double chord_tolerance(const Task& task);
 /// The toolpath by our own reader, or through rs274 if only an interpreter of the whole language understands the
 /// program.
 /// @param tell  called with text that a user should know about this; may be empty
-/// @throws std::invalid_argument  as the readers do, also ReadError
+/// @throws std::invalid_argument  "file:line:column: ..", where the program is not understood
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell);
 

@@ -97,7 +97,7 @@ struct DesignResult {
   StopReason stop = StopReason::finished;
   std::optional<Filter> filter;
   std::vector<CornerResult> corners;
-  double cycle_time = 0.0;                 ///< s, machine time: Objective::cycle of objective.hpp
+  double cycle_time = 0.0;                 ///< s, machine time: Objective::cycle
   double corner_time = 0.0;                ///< s, each corner by itself: Objective::corner
   std::optional<double> lower_bound;       ///< s, proved, of objective()
   std::optional<double> gap;               ///< (objective() - lower_bound)/objective()

@@ -36,7 +36,7 @@ class LineSource {
   LineSource(std::string name, std::string_view text);
 
   /// Next line without its end (LF or CR LF); false after the last. The view holds until the next call.
-  /// @throws ReadError on a line longer than `line_max` or a failing read.
+  /// @throws std::invalid_argument on a line longer than `line_max` or a failing read.
   bool next(std::string_view& line) {
     const char* end = static_cast<const char*>(find_end());
     if (end == nullptr) return next_slow(line);
@@ -60,7 +60,7 @@ class LineSource {
   /// The column for messages: 1 where the line stands for another, whose columns are not known.
   std::size_t column(std::size_t own) const { return stands_for_ > 0 ? 1 : own; }
   const std::string& name() const { return name_; }
-  /// @param column  from 1  @throws ReadError always
+  /// @param column  from 1  @throws std::invalid_argument always: "file:line:column: message"
   [[noreturn]] void fail(std::size_t column, const std::string& message) const;
 
  private:
@@ -154,18 +154,18 @@ double feed_duration(const ProgramPoint& from, const ProgramPoint& to, double fe
 /// Whether only A B C move, whose feed is in degrees per minute whatever the length unit.
 bool rotary_only(const ProgramPoint& from, const ProgramPoint& to);
 
+inline constexpr double longest_chords = 2e-6;  ///< m, from their arcs at most, unless asked for
 struct ReadOptions {
-  double arc_tolerance = 2e-6;  ///< m, > 0: largest distance of a chord from the arc it stands for
-  bool numbered = false;        ///< N words of canonical calls are lines of the program
-  bool tools = false;           ///< lengths of tools are given: G43, which is passed over else, throws NeedsInterpreter
+  double arc_tolerance = longest_chords;  ///< m, > 0: largest distance of a chord from the arc it stands for
+  bool numbered = false;                  ///< N words of canonical calls are lines of the program
+  bool tools = false;                     ///< lengths of tools are given: G43 needs an interpreter
 };
 
 enum class ProgramFormat { rs274, canonical, csv };
 
-/// Reads a program from its first line to its end and hands every move to the sink, in memory that does not grow with
-/// it. A name ending in ".csv" is read as CSV; else the first line with words decides between RS-274 and canonical
-/// calls, by the names of the calls.
-/// @throws ReadError at the first line that is not understood; nothing is guessed.
+/// Reads a program and hands every move to the sink, in memory that does not grow with it. A name ending in ".csv" is
+/// read as CSV; else the first line with words decides between RS-274 and canonical calls.
+/// @throws std::invalid_argument at the first line that is not understood; nothing is guessed.
 ProgramFormat read_program(LineSource& source, const ReadOptions& options, MoveSink& sink);
 
 /// How the joint at the end of a block is passed.
@@ -269,8 +269,8 @@ const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
 /// Reads a whole program.
-/// @throws ReadError as read_program. Also for an axis that the machine does not have, and for a corner without
-/// tolerance. Also for a feed above an axis' velocity limit, and for a rapid move of an axis without velocity limit.
+/// @throws std::invalid_argument as read_program. Also for an axis that the machine lacks, a corner without tolerance,
+/// a feed above an axis' velocity limit, and a rapid move of an axis without one.
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options);
 
 /// Lengths and diameters of tools, for G43, G41 and G42.

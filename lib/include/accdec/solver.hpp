@@ -118,7 +118,7 @@ class Solver {
 
 /// All registered algorithms in a fixed order. The first call loads the solver libraries.
 const std::vector<std::unique_ptr<Solver>>& registry();
-/// Modules of solver libraries that the first call of `registry` could not load, and why; see module.hpp.
+/// Modules of solver libraries that the first call of `registry` could not load, and why.
 const std::map<std::string, std::string>& missing_modules();
 /// Names and versions of the solver libraries that this was built with. Loads none.
 std::vector<std::pair<std::string, std::string>> libraries();

@@ -49,7 +49,7 @@ enum class DelayKind {
   in_position,  ///< d = L + min{e >= 0: v1 T p(e) <= w}, with one width w for all corners; L, see ControllerSettings
   dwell,        ///< any d, by a dwell before the filter
   timed_axis,   ///< any d, by a timed move of an unused axis
-  corner_feed   ///< d = 0 at a part of both feeds, at which the motion has settled: see task/corner_feed.hpp
+  corner_feed   ///< d = 0 at a part of both feeds, at which the motion has settled
 };
 struct DelayKindName {
   DelayKind kind;
@@ -130,8 +130,11 @@ struct ChosenSettings {
   std::optional<WidthInterval> width{};  ///< where some corner is in-position
 };
 
-/// The objective of a design, see objective.hpp.
-enum class Objective { cycle, corner };
+/// The time that a design makes least, in sample periods. For one corner of weight 1 in one run both are N + 1 + d.
+enum class Objective {
+  cycle,  ///< machine time: runs (N + 1) + sum_j w_j d_j; a run from rest to rest takes the filter's time once
+  corner  ///< sum_j w_j (N + 1 + d_j): every corner as a run of its own
+};
 
 /// Bounds on the choices of a design, and its objective.
 struct DesignBounds {
@@ -208,8 +211,8 @@ struct TaskOptions {
   /// Number of axes that a single [[axis]] table, or none, stands for if no corner gives their number: 1 .. 9. They are
   /// named x, y, z, a, b, c, u, v, w in order.
   int axes = 2;
-  /// Which responses of the machine the caller considers (machine/response.hpp), and with those of axes also dry
-  /// friction and a shared supply. Keys that give another are refused where they stand, so that none is ignored
+  /// Which responses of the machine the caller considers (servo, the control's smoothing), and with those of axes also
+  /// dry friction and a shared supply. Keys that give another are refused where they stand, so that none is ignored
   /// silently.
   Considered response = Considered::none;
   /// Whether [controller] may name a file, which is then opened; not where the text comes from somebody else.

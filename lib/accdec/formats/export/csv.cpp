@@ -31,6 +31,9 @@ std::string csv_export(const ExportedDesign& design) {
     row("delay_samples", fmt::format("{},{}", csv_cell(corner.name), corner.delay));
     if (corner.feed_part < 1.0) row("feed_part", fmt::format("{},{}", csv_cell(corner.name), corner.feed_part));
   }
+  for (const ExportedSetting& setting : design.settings())
+    row("set", fmt::format("{},{},{},{}", csv_cell(setting.name), csv_cell(setting.corner), csv_cell(setting.value),
+                           setting.unit));
   for (const ExportedLimit& limit : design.limits)
     row("limit", fmt::format("{},{},{},{},{},{}", limit.kind, csv_cell(limit.axis), csv_cell(limit.corner), limit.bound,
                              limit.unit, limit.used ? fmt::format("{}", *limit.used) : ""));

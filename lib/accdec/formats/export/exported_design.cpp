@@ -112,6 +112,33 @@ std::string ExportedLimit::text() const {
   return text;
 }
 
+std::string ExportedSetting::text() const {
+  std::string text = name;
+  if (!corner.empty()) text += " of corner " + corner;
+  return fmt::format("{} = {}{}{}", text, value, unit.empty() ? "" : " ", unit);
+}
+
+std::vector<ExportedSetting> ExportedDesign::settings() const {
+  const auto digits = [](double value) { return fmt::format("{:.10g}", value); };
+  std::vector<ExportedSetting> all;
+  if (result.settings) {
+    all.push_back({"family", "", std::string(to_string(result.settings->family)), ""});
+    int stage = 0;
+    for (const Setting& setting : result.settings->values)
+      all.push_back({setting.name.empty() ? fmt::format("stage {}", ++stage) : setting.name, "", digits(setting.value),
+                     setting.unit});
+    if (result.settings->width)
+      all.push_back({"in-position width", "", digits(1e6 * result.settings->width->middle()), "um"});
+  }
+  const std::vector<DelayKind> kinds = chosen_delay_kinds(result);
+  for (std::size_t j = 0; j < kinds.size(); ++j) {
+    const CornerResult& corner = result.corners[j];
+    all.push_back({"delay", corner.name, std::string(to_string(kinds[j])), ""});
+    if (corner.feed_part < 1.0) all.push_back({"feed", corner.name, corner_feed_in_words(result, j), ""});
+  }
+  return all;
+}
+
 std::vector<std::string> ExportedDesign::facts() const {
   std::vector<std::string> all;
   if (!result.task.title.empty()) all.push_back("title: " + result.task.title);
@@ -123,18 +150,7 @@ std::vector<std::string> ExportedDesign::facts() const {
   if (result.quantisation)
     all.push_back(fmt::format("taps: whole numbers over 2^{}, free ones take {:.10g} ms", result.quantisation->bits,
                               1e3 * result.quantisation->unquantised));
-  if (result.settings) {
-    for (const Setting& setting : result.settings->values)
-      all.push_back(fmt::format("set: {}{:.10g} {}", setting.name.empty() ? "" : setting.name + " = ", setting.value,
-                                setting.unit));
-    if (result.settings->width)
-      all.push_back(fmt::format("set: in-position width = {:.10g} um", 1e6 * result.settings->width->middle()));
-    for (std::size_t j = 0; j < result.corners.size(); ++j) {
-      const CornerResult& corner = result.corners[j];
-      if (corner.feed_part < 1.0)
-        all.push_back(fmt::format("set: corner feed of {} = {}", corner.name, corner_feed_in_words(result, j)));
-    }
-  }
+  for (const ExportedSetting& setting : settings()) all.push_back("set: " + setting.text());
   for (const ExportedLimit& limit : limits) all.push_back("limit: " + limit.text());
   all.push_back("exported by accdec, commit " + commit);
   return all;

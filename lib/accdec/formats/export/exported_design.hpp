@@ -22,6 +22,12 @@ struct ExportedLimit {
   std::string text() const;       ///< "acceleration x 5000 mm/s^2, 97.1 % used"
 };
 
+/// A number or word to set in the control.
+struct ExportedSetting {
+  std::string name, corner, value, unit;  ///< corner and unit are empty where there is none
+  std::string text() const;               ///< "MD32410 = 0.018 s"
+};
+
 struct ExportedDesign {
   const DesignResult& result;
   const Filter& filter;
@@ -29,6 +35,9 @@ struct ExportedDesign {
   std::vector<ExportedLimit> limits;  ///< of the task
   std::string commit;                 ///< of the accdec that writes the export
 
+  /// The control's settings: its family and values, and how each corner's delay is made. Empty if the task names
+  /// neither families nor kinds of delays.
+  std::vector<ExportedSetting> settings() const;
   /// One fact a line: title, status, times, limits, commit. The user's text stands there unchanged: pass each line
   /// through `ascii_line`, or what the format asks for.
   std::vector<std::string> facts() const;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/export/exported_json.hpp>
+#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
@@ -25,12 +26,16 @@ Json limit_json(const ExportedLimit& limit) {
 
 void add_about(Json& json, const ExportedDesign& design) {
   json["corners"] = Json::array();
+  const std::vector<DelayKind> kinds = chosen_delay_kinds(design.result);
   for (const CornerResult& corner : design.result.corners) {
+    const std::size_t j = json["corners"].size();
     json["corners"].push_back({{"name", corner.name}, {"delay_samples", corner.delay}});
+    if (!kinds.empty()) json["corners"].back()["delay_by"] = to_string(kinds[j]);
     if (corner.feed_part < 1.0) json["corners"].back()["feed_part"] = corner.feed_part;
   }
   if (design.result.settings) {
     const ChosenSettings& chosen = *design.result.settings;
+    json["family"] = to_string(chosen.family);
     json["settings"] = Json::array();
     for (const Setting& setting : chosen.values)
       json["settings"].push_back({{"name", setting.name}, {"value", setting.value}, {"unit", setting.unit}});

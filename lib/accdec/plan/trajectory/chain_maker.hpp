@@ -23,7 +23,7 @@ class ChainMaker {
   /// References are kept.
   ChainMaker(const Toolpath& path, const AvailableAcceleration& available);
 
-  /// Makes the whole chain. What shares have not changed is taken from the last time.
+  /// Makes the whole chain. Corners whose shares have not changed stay as they are.
   const ProfileChain& make(const ProfileShares& shares);
   /// Makes legs first .. last again with the same speeds at both ends. They are slowed so that all samples after them
   /// are the same, only whole samples later. Then these stay verified. False, with nothing changed, if this cannot be

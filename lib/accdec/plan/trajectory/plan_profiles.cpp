@@ -35,7 +35,7 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
   std::vector<double> phases(path.blocks());
   constexpr int rounds_max = 60;
   constexpr std::int64_t samples_between_looks = 100'000;  // at the clock, 0.1 s
-  int strictness = 0;  // see ProfileRepair
+  int strictness = 0;                                      // see ProfileRepair
   for (plan.rounds = 0;; ++plan.rounds) {
     // Parts that hold alone but not in the whole are slowed more in every round.
     ProfileRepair repair(path, available, shares, all, strictness);

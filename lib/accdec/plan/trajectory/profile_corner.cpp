@@ -136,7 +136,8 @@ std::optional<CornerPass> best_coast(const AvailableAcceleration& available, std
   constexpr int steps = 4;
   std::optional<CornerPass> best;
   for (int i = 0; i <= (least < most ? steps : 0); ++i) {
-    const std::optional<CornerPass> candidate = search.with_coast(least + (most - least) * i / steps, best ? best : known);
+    const std::optional<CornerPass> candidate =
+        search.with_coast(least + (most - least) * i / steps, best ? best : known);
     if (candidate && (!best || search.lost(*candidate) < search.lost(*best))) best = candidate;
     if (candidate && candidate->speed_max >= search.reached()) break;
   }

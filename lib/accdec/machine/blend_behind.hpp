@@ -1,0 +1,16 @@
+#pragma once
+
+#include <accdec/corner.hpp>
+#include <accdec/machine/response.hpp>
+
+namespace accdec {
+
+/// Measures of a blend behind a machine's response. If axes respond differently, every axis has its own filter. The
+/// path then is not of the form p and q times the two legs' directions. O(axes (N + d)).
+/// @param delay  samples, >= 0
+CornerMeasures measure(const FilterBehind& behind, const Corner& corner, int delay, double sample_period);
+
+/// The corner error alone.
+double corner_error(const FilterBehind& behind, const Corner& corner, int delay, double sample_period);
+
+}  // namespace accdec

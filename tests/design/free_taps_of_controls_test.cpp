@@ -1,0 +1,78 @@
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
+#include <accdec/task/settings_text.hpp>
+#include <accdec/verify.hpp>
+
+// Controls that take any taps: what to set, and what is proved in front of their own smoothing.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// The corner of corner/acceleration-jerk.toml.
+Task everyday_corner(const std::string& more) {
+  TaskOptions choices;
+  choices.response = Considered::any;
+  return parse_task(
+      "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n"
+      "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n" +
+          more,
+      "task", choices);
+}
+
+TEST(FreeTapsOfControls, AreTapsAndDelays) {
+  const DesignResult result = design_task(everyday_corner("[controller]\ndelays = [\"dwell\", \"in-position\"]\n"));
+  ASSERT_EQ(result.status, Status::optimal);
+  const std::string answer = settings_answer(result);
+  EXPECT_EQ(
+      answer,
+      fmt::format("Set these: the {} taps that `accdec export` writes; dwell at corner {} ({} ms). 42 ms a corner, "
+                  "proved best of free taps with delays. In-position is not used: a dwell waits as long as needed.\n",
+                  result.filter->order() + 1, result.corners[0].name, 41 - result.filter->order()));
+  const std::string text = result_to_json(result);
+  auto json = nlohmann::ordered_json::parse(text);
+  EXPECT_EQ(json["answer"].get<std::string>() + "\n", answer);
+  EXPECT_THAT(verify_result(parse_result(text, "result")).reasons, IsEmpty());
+  json["answer"] = "Set these: 2 taps.";
+  EXPECT_THROW(parse_result(json.dump(), "result"), InputError);
+  EXPECT_EQ(settings_answer(design_task(everyday_corner(""))), "") << "nothing is said of a control";
+}
+
+/// The filter and its smoothing of 4 taps together are one filter, for which 42 ms are the proved optimum (see
+/// corner/acceleration-jerk.toml). So the filter takes 39 ms or more.
+TEST(FreeTapsOfControls, HaveABoundInFrontOfASmoothing) {
+  const std::string smoothing = "[controller]\nprefilter_taps = [0.08, 0.42, 0.42, 0.08]\n";
+  DesignOptions options;
+  options.time_limit = 20.0;
+  for (const std::string family : {"", "[design]\nfamily = \"averages\"\n"}) {
+    const DesignResult result = design_task(everyday_corner(family + smoothing), options);
+    ASSERT_TRUE(result.has_design() && result.lower_bound) << result.message;
+    EXPECT_NEAR(*result.lower_bound, 39e-3, 1e-12);
+    EXPECT_LE(result.objective(), 44e-3 + 1e-12);
+    EXPECT_THAT(verify_result(result).reasons, IsEmpty());
+    EXPECT_THAT(settings_answer(result), HasSubstr("No filter takes less than 39 ms"));
+    const DesignResult again = parse_result(result_to_json(result), "result");
+    EXPECT_THAT(verify_result(again).reasons, IsEmpty());
+    DesignResult forged = result;
+    forged.lower_bound = 40e-3;
+    EXPECT_FALSE(verify_result(forged).accepted);
+    // Without the smoothing there is nothing that the proof could be about.
+    forged = result;
+    forged.task.machine.prefilter_taps.clear();
+    EXPECT_FALSE(check_certificate(forged.task, forged).accepted);
+  }
+}
+
+}  // namespace
+}  // namespace accdec
