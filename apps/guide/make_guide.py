@@ -126,6 +126,14 @@ def complete_styles(folder):
         style.write_text(re.sub(r"@import url\((/[^)]*)\);", lambda found: imported(found[1]), style.read_text()))
 
 
+def complete_scripts(folder):
+    """Debian's theme leaves its script a module that imports a classic one, and pages load it as a classic script."""
+    script = folder / "furo.js"
+    line = re.compile(r'^import Gumshoe from "\./([\w.-]+)";\n', re.M)
+    # A function stands for the text, as a pattern would read its backslashes.
+    script.write_text(line.sub(lambda found: (folder / found[1]).read_text() + "\n", script.read_text()))
+
+
 def imported(path):
     file = pathlib.Path("/usr/share" + path)
     return file.read_text() if file.exists() else ""
@@ -150,6 +158,7 @@ def main():
     if subprocess.run(command, env=environment).returncode != 0:
         sys.exit("the guide has errors")
     complete_styles(out / "html/_static/styles")
+    complete_scripts(out / "html/_static/scripts")
     print(f"the guide is in {out / 'html' / 'index.html'}")
 
 
