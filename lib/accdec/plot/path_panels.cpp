@@ -151,13 +151,6 @@ CornerMotion::CornerMotion(const DesignResult& r, std::size_t index)
     time.push_back(static_cast<double>(n - motion.corner) * r.task.sample_period * 1e3);
 }
 
-std::pair<double, double> moving_time(const CornerMotion& at) {
-  std::vector<double> speed;
-  for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) speed.push_back(at.motion.velocity.row(n).norm());
-  const auto [from, to] = nonzero(speed, 1e-4 * *std::max_element(speed.begin(), speed.end()));
-  return {at.time[from], at.time[to]};
-}
-
 Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   const PathPlane plane = plane_of(now.task.geometry(), now.result.task.machine);
   PathWindow window;
@@ -215,7 +208,7 @@ std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion*
     std::vector<double> off = distances(*at);
     for (double& d : off) d = d < no_distance ? 0.0 : d;
     const double here = *std::max_element(off.begin(), off.end());
-    const auto [from, to] = nonzero(off, 1e-6 * here);
+    const auto [from, to] = nonzero(off, (at->sampled.moved ? 1e-3 : 1e-6) * here);  // a servo takes for ever
     if (here > 0.0) {
       panel.x.min = std::min(panel.x.min.value_or(at->time[from]), at->time[from]);
       panel.x.max = std::max(panel.x.max.value_or(at->time[to]), at->time[to]);

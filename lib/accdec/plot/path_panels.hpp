@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <accdec/plot/figure.hpp>
@@ -25,9 +24,6 @@ struct CornerMotion {
   const SampledMotion& motion;  ///< in `sampled`
   std::vector<double> time;     ///< ms from the corner command, of every row of `motion`
 };
-
-/// ms from the corner command, from the first motion to the last.
-std::pair<double, double> moving_time(const CornerMotion& at);
 
 /// The path where it leaves the legs, with the tolerance and the error. That of `before` in grey below it, if not null.
 Panel path_panel(const CornerMotion& now, const CornerMotion* before);

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include <accdec/plot/filter_panels.hpp>
 #include <accdec/plot/path_panels.hpp>
 #include <accdec/plot/plot_result.hpp>
+#include <accdec/plot/shown_time.hpp>
 
 namespace accdec {
 namespace {
@@ -58,13 +60,7 @@ Series curve_of(LimitKind kind, const CornerMotion& at, std::size_t axis) {
 Panel time_panel(const CornerMotion& now, const CornerMotion* before) {
   Panel panel;
   panel.x.label = "time from the corner command / ms";
-  for (const CornerMotion* at : {&now, before}) {
-    if (!at) continue;
-    const auto [from, to] = moving_time(*at);
-    panel.x.min = std::min(panel.x.min.value_or(from), from), panel.x.max = std::max(panel.x.max.value_or(to), to);
-  }
-  const double air = 0.03 * (*panel.x.max - *panel.x.min);
-  *panel.x.min -= air, *panel.x.max += air;
+  std::tie(panel.x.min, panel.x.max) = ShownTime(now, before).range();
   return panel;
 }
 
@@ -386,7 +382,11 @@ Figure plot_result(const DesignResult& result, const std::string& corner) {
   if (std::optional<Panel> distance = distance_panel(now, before)) left.push_back(*std::move(distance));
   left.push_back(response_panel(result, old_filter));
   left.push_back(taps_panel(*result.filter, old_filter));
-  figure.panels = side_by_side(std::move(left), motion_panels(now, before));
+  std::vector<Panel> right = motion_panels(now, before);
+  const ShownTime time(now, before);
+  for (Panel& panel : right) time.move_together(panel);
+  if (time.shortened()) figure.title += "; steady parts of the legs are left out";
+  figure.panels = side_by_side(std::move(left), std::move(right));
   for (Panel& panel : figure.panels) {
     for (Series& series : panel.series) thin_out(series);
   }

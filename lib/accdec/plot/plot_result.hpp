@@ -14,7 +14,7 @@ namespace accdec {
 /// with the mode bands. Motion is simulated from the result's taps and delay by plain convolution. The task's filter of
 /// today
 /// ([baseline]) is drawn in grey in every panel, with its smallest delays, if it holds the limits. The title says what
-/// the design saves against it.
+/// the design saves against it. Behind a servo, steady parts of the legs are left out, and the title says so.
 /// @param corner  name; empty: the first
 /// @throws std::invalid_argument if there is no such corner (naming those there are), std::runtime_error if the result
 /// holds no filter.
