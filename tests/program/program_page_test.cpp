@@ -151,6 +151,10 @@ TEST(ProgramPage, NamesItsBoundsAndWhatTheyHoldFor) {
   for (const char* words : {"way over feed", "any motion", "50.00", "even if it swings out before a corner",
                             "monotone legs", "100.00", "sums of legs that never run back"})
     EXPECT_NE(table.find(words), std::string::npos) << words << " in " << table;
+  // The rows have one line each; more words about a bound stand below the table.
+  const std::size_t below = page.find("<p>monotone legs: free motions may be faster; ", end);
+  EXPECT_NE(below, std::string::npos);
+  EXPECT_EQ(table.find("free motions"), std::string::npos) << table;
 }
 
 // A rapid move at 200 mm/s, one of 600 mm/min: the colours are for the latter.

@@ -85,11 +85,16 @@ std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMo
 std::string bounds_table(const ProgramMotion& motion) {
   if (motion.bounds.empty()) return "";
   std::vector<std::vector<std::string>> rows;
+  std::string notes;
   for (const NamedBound& bound : motion.bounds) {
+    // The table has the class of motions, on one line; what else is to be said stands below it.
+    const std::size_t end = std::min(bound.motions.find("; "), bound.motions.size());
     rows.push_back({bound.name, fmt::format("{:.4f}", bound.time),
-                    fmt::format("{:.2f}", 100.0 * bound.time / motion.cycle_time), bound.motions});
+                    fmt::format("{:.2f}", 100.0 * bound.time / motion.cycle_time), bound.motions.substr(0, end)});
+    if (end < bound.motions.size()) notes += html_paragraph(bound.name + ": " + bound.motions.substr(end + 2) + ".");
   }
-  return "<h2>Lower bounds of the time</h2>\n" + html_table({{"bound", "s", "% of the plan", "holds for"}, rows});
+  return "<h2>Lower bounds of the time</h2>\n" + html_table({{"bound", "s", "% of the plan", "holds for"}, rows}) +
+         notes;
 }
 
 }  // namespace
