@@ -297,6 +297,9 @@ TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
 
 TEST(Settings, SayWhichWidthNoControlHolds) {
   EXPECT_EQ(width_in_words({1e-5, 3e-5}), "in-position width 0.02 mm (0.01 to 0.03)");
+  // A width that is printed may be entered: no end is rounded outwards.
+  EXPECT_EQ(width_in_words({1.29412e-4, 1.37257e-4}), "in-position width 0.1333 mm (0.1295 to 0.1372)");
+  EXPECT_THAT(width_in_words({1.234561e-4, 1.234589e-4}), HasSubstr("(0.123457 to 0.123458)"));
   EXPECT_THAT(width_in_words({0.0, 3.2e-11}), HasSubstr("no control holds so small a width"));
 }
 

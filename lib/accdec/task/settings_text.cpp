@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -122,6 +123,15 @@ std::string beside_taps(const DesignResult& result) {
   return text;
 }
 
+/// A value to so many significant digits, rounded upwards or downwards.
+std::string rounded(double value, int digits, double (*whole)(double)) {
+  if (value == 0.0 || !std::isfinite(value)) return fmt::format("{:.{}g}", value, digits);
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) + 1.0 - digits);
+  // Beyond 12 digits a quotient is not whole by its rounding alone.
+  const double units = value / unit, nearest = std::round(units);
+  return fmt::format("{:.{}g}", (std::abs(units - nearest) < 1e-12 * units ? nearest : whole(units)) * unit, digits);
+}
+
 }  // namespace
 
 std::string families_in_words(const ControllerSettings& settings) {
@@ -135,10 +145,14 @@ std::string proved_best_in_words(const ControllerSettings& settings) {
 }
 
 std::string width_in_words(const WidthInterval& width) {
-  const std::string high = width.high < unlimited ? fmt::format("{:.4g}", 1e3 * width.high) : "any larger";
   constexpr double smallest = 1e-9;  // m: below any encoder's step
   const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead" : "";
-  return fmt::format("in-position width {:.4g} mm ({:.4g} to {}){}", 1e3 * width.middle(), 1e3 * width.low, high, note);
+  // Both ends are rounded inwards: every width that is printed may be entered. A narrow interval needs more digits.
+  int digits = 4;
+  while (digits < 15 && width.high - width.low < 20.0 * std::pow(10.0, -digits) * width.high) ++digits;
+  const std::string low = rounded(1e3 * width.low, digits, std::ceil),
+                    high = width.high < unlimited ? rounded(1e3 * width.high, digits, std::floor) : "any larger";
+  return fmt::format("in-position width {:.{}g} mm ({} to {}){}", 1e3 * width.middle(), digits, low, high, note);
 }
 
 std::string corner_feed_in_words(const DesignResult& result, std::size_t corner) {
