@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -60,19 +62,20 @@ TEST(CliControllers, StagesOfDifferentKindsSurviveAResult) {
 }
 
 /// Every pair of times by hand: the longer average holds the acceleration, the product of both the jerk.
-TEST(CliControllers, SetsOfATaskMayDifferByStage) {
+/// @param lengths  keys of [design]  @param first, second  lengths that they allow, samples
+void expect_best_pair(const std::string& lengths, const std::vector<int>& first, const std::vector<int>& second) {
   const TemporaryFolder folder;
-  const std::string task = folder.write(
-      "task.toml",
-      "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\nlength_set_ms = [1, 2, 4, 8, 16, 32]\n"
-      "length_set_2_ms = [3, 6, 9, 12, 15, 18, 21, 24]\n[controller]\ndelays = \"exact-stop\"\n[[axis]]\n"
-      "acceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"
-      "error_max_um = 50\n");
+  const std::string task =
+      folder.write("task.toml", "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\n" + lengths +
+                                    "[controller]\ndelays = \"exact-stop\"\n[[axis]]\nacceleration_max_mm_s2 = 6000\n"
+                                    "jerk_max_mm_s3 = 500000\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"
+                                    "error_max_um = 50\n");
   const std::string result = folder.path("result.json");
   int least = 1000;
-  for (const int a : {1, 2, 4, 8, 16, 32}) {
-    for (const int b : {1, 3, 6, 9, 12, 15, 18, 21, 24}) {
-      if (0.1 / (std::max(a, b) * 1e-3) <= 6.0 && 0.1 / (a * b * 1e-6) <= 500.0) least = std::min(least, a + b - 1);
+  for (const int a : first) {
+    for (const int b : second) {
+      if (0.1 / (std::max(a, b) * 1e-3) <= 6.0 && 0.1 / (a * b * 1e-6) <= 500.0 * (1.0 + 1e-9))
+        least = std::min(least, a + b - 1);
     }
   }
   const Outcome designed = run({"design", task, "--json", result, "--no-baselines"});
@@ -82,26 +85,16 @@ TEST(CliControllers, SetsOfATaskMayDifferByStage) {
   EXPECT_EQ(run({"verify", result}).code, 0);
 }
 
+TEST(CliControllers, SetsOfATaskMayDifferByStage) {
+  expect_best_pair("length_set_ms = [1, 2, 4, 8, 16, 32]\nlength_set_2_ms = [3, 6, 9, 12, 15, 18, 21, 24]\n",
+                   {1, 2, 4, 8, 16, 32}, {1, 3, 6, 9, 12, 15, 18, 21, 24});
+}
+
 /// The first stage keeps its step, the second has times of its own.
 TEST(CliControllers, AStageAloneMayHaveASet) {
-  const TemporaryFolder folder;
-  const std::string task = folder.write(
-      "task.toml",
-      "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\nlength_max_ms = 18\nlength_set_2_ms = [5, 10, 20]\n"
-      "[controller]\ndelays = \"exact-stop\"\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n"
-      "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
-  const std::string result = folder.path("result.json");
-  int least = 1000;
-  for (int a = 1; a <= 18; ++a) {
-    for (const int b : {1, 5, 10, 20}) {
-      if (0.1 / (std::max(a, b) * 1e-3) <= 6.0 && 0.1 / (a * b * 1e-6) <= 500.0 * (1.0 + 1e-9))
-        least = std::min(least, a + b - 1);
-    }
-  }
-  const Outcome designed = run({"design", task, "--json", result, "--no-baselines"});
-  EXPECT_EQ(designed.code, 0) << designed.err;
-  EXPECT_THAT(designed.out, HasSubstr(std::to_string(2 * least - 1) + " ms a corner, proved best"));
-  EXPECT_EQ(run({"verify", result}).code, 0);
+  std::vector<int> to_18(18);
+  std::iota(to_18.begin(), to_18.end(), 1);
+  expect_best_pair("length_max_ms = 18\nlength_set_2_ms = [5, 10, 20]\n", to_18, {1, 5, 10, 20});
 }
 
 /// The time ends long before all members are looked at. The message still has the limit and the nearest member.
