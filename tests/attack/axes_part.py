@@ -106,7 +106,8 @@ class Case:
             for axis in "xy":
                 count = next(v for k, v in whole.items() if k.startswith(f"{axis}_") and "unit" in k)
                 if abs(int(count) * unit - 1e3 * float(plain[f"{axis}_mm"])) > 0.5 * unit + 2e-3:
-                    return self.attack.fail(f"{count} units of {unit} um for {plain[f'{axis}_mm']} mm", *self.files(), samples)
+                    reason = f"{count} units of {unit} um for {plain[f'{axis}_mm']} mm"
+                    return self.attack.fail(reason, *self.files(), samples)
         return self.found(self.task)
 
     def forge(self, rng):

@@ -22,7 +22,8 @@ export const distances = (path) => path.off_um.map((x) => (x < 1e-6 ? 0 : x));
 /** Power has a bound of its own for driving, above zero, and for braking, below. */
 const sidesOf = { power: [1], regeneration: [-1] };
 
-const binds = (axis, sides) => axis.values.some((v) => Math.abs(v) >= binding * axis.bound && sides.includes(Math.sign(v)));
+const binds = (axis, sides) =>
+  axis.values.some((v) => Math.abs(v) >= binding * axis.bound && sides.includes(Math.sign(v)));
 
 /** The charts of all quantities of a corner; made again only where other quantities are shown. */
 export class Motion {

@@ -255,7 +255,8 @@ async function pageText() {
 }
 $("#save").addEventListener("click", async () => {
   try {
-    download(new Blob([await pageText()], { type: "text/html" }), `${program.name.replace(/^.*[/]|[.][^.]*$/g, "")}.html`);
+    const base = program.name.replace(/^.*[/]|[.][^.]*$/g, "");
+    download(new Blob([await pageText()], { type: "text/html" }), `${base}.html`);
   } catch (error) {
     $("#info").textContent = error.message;
   }
