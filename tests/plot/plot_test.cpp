@@ -4,21 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <accdec/files/process.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/plot_result.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task.hpp>
 #include <accdec/verify.hpp>
 
-#include "support/paths.hpp"
-#include "support/temporary_folder.hpp"
-
 namespace accdec {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 // Linear Acc/Dec in closed form: 100 mm/s in 20 ms are 5 m/s^2 on either axis, 50 N with 10 kg, at most 5 W.
 constexpr const char* task_text = R"(
@@ -109,6 +104,7 @@ TEST(PlotResult, LimitsAreDrawnOrNamed) {
   ASSERT_EQ(limits.size(), 2u) << "those of y are ten times what is used";
   EXPECT_DOUBLE_EQ(limits[0].y, 6000.0);
   EXPECT_DOUBLE_EQ(limits[1].y, -6000.0);
+  EXPECT_EQ(limits[0].name + limits[1].name, "x") << "of x only, at the upper line";
   EXPECT_EQ(panel(figure, "acceleration").title,
             "acceleration / mm/s²: x 83.3 %, y 10.0 % used; limit ±50000 of y, off scale");
   const auto& power = panel(figure, "power").limits;
@@ -127,6 +123,9 @@ TEST(PlotResult, TheAxisThatBindsIsNamed) {
   const Panel jerk = panel(plot_result(two), "jerk");
   EXPECT_THAT(jerk.title, HasSubstr(": x binds; x 100.0 %, y 83.3 % used"));
   EXPECT_FALSE(jerk.notes.empty());
+  std::vector<std::string> names;
+  for (const LimitLine& limit : jerk.limits) names.push_back(limit.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"x", "", "y", ""}));
   for (const Note& note : jerk.notes) EXPECT_EQ(note.text, "x");
 }
 
@@ -264,6 +263,19 @@ TEST(PlotResult, NoPanelShowsMoreThanHappensAndNoneHides) {
   EXPECT_LT(std::min({-*path.x.min, *path.x.max, -*path.y.min, *path.y.max}), 400.0) << "no empty half of its circle";
 }
 
+TEST(PlotResult, ContourOfTheTaskIsALimitOfTheDistance) {
+  DesignResult r = result();
+  r.task.corners[0].contour_max = 250e-6 * (1.0 + 1e-10);  // closed form below
+  const Figure figure = plot_result(evaluate_task(r.task));
+  const Panel& distance = panel(figure, "distance from the programmed path");
+  EXPECT_THAT(distance.title, HasSubstr("100.0 % used, binding"));
+  ASSERT_EQ(distance.limits.size(), 1U);
+  EXPECT_NEAR(distance.limits[0].y, 250.0, 1e-6);
+  const Series& mark = distance.series.back();
+  EXPECT_EQ(mark.label, "binds");
+  EXPECT_NEAR(mark.y.at(0), 250.0, 1e-6);
+}
+
 TEST(PlotResult, LimitsOfTheCornerAndOfTheFilterAreMarkedWhereTheyBind) {
   DesignResult r = result();
   // The error by the discrete sum, as its tolerance; the residual at the edges of the band: 19.4 % at 55 Hz or less.
@@ -295,10 +307,17 @@ TEST(PlotResult, LimitsOfTheCornerAndOfTheFilterAreMarkedWhereTheyBind) {
 }
 
 TEST(PlotResult, DistanceIsThatFromTheNearerLeg) {
-  // The legs are square: the distances are v T p(k) and v T q(k), and 2.25 is the largest of min(p, q) at a sample.
+  // The legs are square: the distances are v T p(k) and v T q(k). The filter has 20 equal taps: p(9) = q(10) = 55/20
+  // and q(9) = p(10) = 45/20. So the chord between these samples is farthest in its middle, by 50/20.
   const Figure figure = plot_result(result());
   const Panel& distance = panel(figure, "distance from the programmed path");
-  EXPECT_NEAR(largest(distance.series.at(0)), 225.0, 1e-9);
+  const Series& drawn = distance.series.at(0);
+  EXPECT_NEAR(largest(drawn), 250.0, 1e-9);
+  const auto at = static_cast<std::size_t>(std::ranges::max_element(drawn.y) - drawn.y.begin());
+  EXPECT_NEAR(drawn.x[at] - drawn.x[at - 1], 0.5, 1e-9);
+  for (const std::size_t beside : {at - 1, at + 1}) EXPECT_NEAR(drawn.y[beside], 225.0, 1e-9);
+  EXPECT_THAT(distance.title, testing::EndsWith(": largest 250"));
+  EXPECT_NEAR(1e6 * result().corners[0].contour_deviation, 250.0, 1e-9) << "what the table says";
 }
 
 TEST(PlotResult, AStopHasNoDistanceToDrawAndItsSpeedFalls) {
@@ -358,41 +377,6 @@ TEST(PlotResult, ChoosesTheCornerByName) {
   DesignResult without = result();
   without.filter.reset();
   EXPECT_THROW(plot_result(without), std::runtime_error);
-}
-
-class PlotCommand : public testing::Test {
- protected:
-  ProcessOutput plot(const std::string& out, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{accdec::test_support::program(), "plot", folder_.path("r.json"), "--out",
-                                       folder_.path(out)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_process(arguments, "", "accdec");
-  }
-  void SetUp() override { folder_.write("r.json", result_to_json(result())); }
-  TemporaryFolder folder_;
-};
-
-TEST_F(PlotCommand, WritesEveryFormat) {
-  const std::pair<const char*, const char*> formats[] = {
-      {"p.svg", "<?xml"}, {"p.png", "\x89PNG"}, {"p.pdf", "%PDF-"}, {"p.html", "<!DOCTYPE html>"}};
-  for (const auto& [name, start] : formats) {
-    const ProcessOutput done = plot(name);
-    EXPECT_EQ(done.exit_code, 0) << done.errors;
-    EXPECT_THAT(folder_.read(name), StartsWith(start)) << name;
-  }
-}
-
-TEST_F(PlotCommand, RefusesWithNothingWritten) {
-  const ProcessOutput extension = plot("p.jpg");
-  EXPECT_EQ(extension.exit_code, 2);
-  EXPECT_THAT(extension.errors, HasSubstr(".svg, .png, .pdf or .html"));
-  const ProcessOutput corner = plot("p.svg", {"--corner", "secnod"});
-  EXPECT_EQ(corner.exit_code, 2);
-  EXPECT_THAT(corner.errors, HasSubstr("it has: first one, second"));
-  EXPECT_EQ(plot("nowhere/p.svg").exit_code, 2);
-  folder_.write("r.json", "{}");
-  EXPECT_EQ(plot("p.svg").exit_code, 2);
-  EXPECT_EQ(folder_.count(), 1u);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <accdec/machine.hpp>
 #include <accdec/machine/signed_value.hpp>
 #include <accdec/task/simulation.hpp>
+#include <accdec/task/verified_contour.hpp>
 
 namespace accdec::explore {
 namespace {
@@ -58,7 +59,8 @@ Json quantity_json(const AxisLimit& limit, const SampledResponse& sampled, const
 
 /// Axes of the drawing: the machine's own if it has two, else the corner's plane, along the motion and halving the
 /// angle.
-void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner, const Machine& machine) {
+void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner, const Task& task) {
+  const Machine& machine = task.machine;
   const Corner& legs = corner.geometry();
   Eigen::VectorXd across = Eigen::VectorXd::Zero(legs.direction_in.size()), up = across;
   Json names{"along the motion", "towards the inside"};
@@ -72,15 +74,19 @@ void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner,
     across = unit(legs.direction_in + legs.direction_out), up = unit(legs.direction_out - legs.direction_in);
   }
   constexpr double micrometres = 1e6;
-  std::vector<double> x, y, contour, speed;
-  const auto off_leg = [](const Eigen::VectorXd& s, const Eigen::VectorXd& u, double sign) {
-    const double along = std::max(0.0, sign * s.dot(u));
-    return (s - sign * along * u).norm();
-  };
+  std::vector<double> x, y, off, speed;
+  Json between = Json::array();
+  const PathDistance path = path_distance(motion.position, legs);
+  for (std::size_t i = 0; i < path.time.size(); ++i) {
+    const double time = path.time[i], distance = micrometres * path.distance[i];
+    if (time == std::floor(time))
+      off.push_back(distance);
+    else
+      between.push_back({(time - static_cast<double>(motion.corner)) * task.sample_period * 1e3, distance});
+  }
   for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
     const Eigen::VectorXd s = motion.position.row(n).transpose() * micrometres;
     x.push_back(s.dot(across)), y.push_back(s.dot(up));
-    contour.push_back(std::min(off_leg(s, legs.direction_in, -1.0), off_leg(s, legs.direction_out, 1.0)));
     speed.push_back(motion.velocity.row(n).norm() * limit_name(LimitKind::velocity).per_si);
   }
   const auto flat = [&](const Eigen::VectorXd& u) { return Json{u.dot(across), u.dot(up)}; };
@@ -89,7 +95,8 @@ void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner,
                   {"y_um", drawn(std::move(y))},
                   {"in", flat(legs.direction_in)},
                   {"out", flat(legs.direction_out)},
-                  {"off_um", drawn(std::move(contour))}};
+                  {"off_um", drawn(std::move(off))},
+                  {"between", std::move(between)}};  // ms, um: where the path is farther off than at both samples
   view["speed_mm_s"] = drawn(std::move(speed));
 }
 
@@ -105,7 +112,7 @@ Json view_json(const DesignResult& result, std::size_t index) {
   Json view{{"name", corner.name},
             {"time_ms", drawn(std::move(time))},
             {"events", {{"start", motion.start}, {"blend", motion.corner}, {"stop", motion.stop}}}};
-  add_path(view, motion, corner, task.machine);
+  add_path(view, motion, corner, task);
   view["quantities"] = Json::array();
   for (const AxisLimit& limit : axis_limits) {
     if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, sampled, corner, task));

@@ -29,6 +29,7 @@ struct Series {
 struct LimitLine {
   double y = 0.0;
   std::string label;
+  std::string name = {};  ///< stands on the line's right end, where a panel has limits of several axes
 };
 /// A word above a point, or below it, in the colour of a limit that binds.
 struct Note {
@@ -83,6 +84,7 @@ struct Panel {
   std::optional<HeatMap> heat_map;
   std::optional<ColouredLines> coloured;  ///< not beside a heat map
   bool equal_aspect = false;  ///< one unit of x is as long as one of y; needs ranges or series to take them from
+  double stretch = 1.0;       ///< with equal_aspect: one unit of y is as long as this many of x; circles are ellipses
   double taller = 1.0;        ///< its row is this many times the figure's panel height; the largest of a row counts
 };
 

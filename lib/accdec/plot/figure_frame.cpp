@@ -57,22 +57,22 @@ std::pair<AxisRange, AxisRange> ranges(const Panel& panel) {
   return {x, y};
 }
 
-/// Widens one range so that a unit is equally long on both.
-void equalise(AxisRange& x, AxisRange& y, double width, double height) {
-  const double unit = std::max((x.high - x.low) / width, (y.high - y.low) / height);
+/// Widens one range so that a unit of y is as long as `stretch` units of x.
+void equalise(AxisRange& x, AxisRange& y, double width, double height, double stretch) {
+  const double unit = std::max((x.high - x.low) / width, stretch * (y.high - y.low) / height);
   const auto widen = [unit](AxisRange& range, double pixels) {
     const double centre = 0.5 * (range.low + range.high);
     range = {centre - 0.5 * unit * pixels, centre + 0.5 * unit * pixels};
   };
   widen(x, width);
-  widen(y, height);
+  widen(y, height / stretch);
 }
 
 }  // namespace
 
 std::pair<AxisRange, AxisRange> panel_frame(const Panel& panel, double width, double height) {
   auto [x, y] = ranges(panel);
-  if (panel.equal_aspect) equalise(x, y, width, height);
+  if (panel.equal_aspect) equalise(x, y, width, height, panel.stretch);
   return {x, y};
 }
 

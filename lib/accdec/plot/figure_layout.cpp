@@ -296,6 +296,11 @@ std::vector<double> column_widths(const Figure& figure, const Sides& sides, std:
 
 }  // namespace
 
+double taller_for(double aspect) {
+  const Figure usual;
+  return (aspect * (usual.panel_width - left - right) + top + bottom) / usual.panel_height;
+}
+
 PageLayout layout(const Figure& figure) {
   if (figure.panels.empty() || figure.columns < 1)
     throw std::invalid_argument("a figure needs at least one panel and one column");

@@ -61,6 +61,9 @@ struct PageLayout {
   std::vector<PanelLayout> panels;
 };
 
+/// `Panel::taller` of a panel of the usual size whose plot is `aspect` times as high as wide.
+double taller_for(double aspect);
+
 /// Room for everything. Long labels of legends are wrapped where the panel's height has room for the lines. Columns and
 /// rows grow beyond the figure's panel size where legends still need it. So a legend of any size stands in one column
 /// beside its panel's data and ends before the next panel. Panels of a column that share the quantity of x have plots

@@ -144,6 +144,22 @@ std::vector<EndPlace> end_places(const Panel& panel, double top, double height) 
   return ends;
 }
 
+std::vector<LegendPlace> limit_name_places(const Panel& panel, double right, double top, double height) {
+  constexpr double above = 7.0, line = 12.0, air = 8.0, edge = 4.0;
+  const auto [x, y] = panel_frame(panel, 1.0, 1.0);
+  std::vector<LegendPlace> places;
+  for (const LimitLine& limit : panel.limits) {
+    if (!limit.name.empty())
+      places.push_back(
+          {axis_name(limit.name), right - edge, top + height * (1.0 - along(panel.y, y, limit.y)) - above});
+  }
+  std::ranges::sort(places, std::ranges::greater{}, &LegendPlace::y);
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    if (places[i - 1].y - places[i].y < line) places[i].x = places[i - 1].x - text_width(places[i - 1].label) - air;
+  }
+  return places;
+}
+
 std::vector<LegendPlace> page_legend(const Figure& figure, double width) {
   constexpr double side = 20.0, air = 18.0;
   const auto columns = static_cast<std::size_t>(figure.columns);

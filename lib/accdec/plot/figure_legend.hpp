@@ -42,6 +42,11 @@ struct LegendPlace {
 };
 inline constexpr double legend_row = 18.0, legend_sample = 34.0;  ///< px
 
+/// Names of the limits of a panel on their lines. x is the right end of a name, y its middle. A name whose line is near
+/// the one below stands to the left of that one's.
+/// @param right, top, height  of the plot, px
+std::vector<LegendPlace> limit_name_places(const Panel& panel, double right, double top, double height);
+
 /// Every label of a figure once, in rows that fill the columns of panels in turn. The first row is at y = 0.
 std::vector<LegendPlace> page_legend(const Figure& figure, double width);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -103,6 +104,11 @@ Panel taps_panel(const Filter& filter, const Filter* before) {
       series.x.push_back(i);
       series.y.push_back(of.tap(i));
     }
+    // The edges of a curve without symbols, which could be a level line.
+    if (mark == Mark::line) {
+      series.x.insert(series.x.begin(), 0.0), series.y.insert(series.y.begin(), 0.0);
+      series.x.push_back(of.order()), series.y.push_back(0.0);
+    }
     return series;
   };
   int last = filter.order();
@@ -125,7 +131,7 @@ Panel response_panel(const DesignResult& result, const Filter* before) {
   panel.title = "residual vibration, part of that without a filter";
   panel.x.label = "frequency / Hz";
   panel.y.log = true;
-  panel.y.min = 1e-4, panel.y.max = 1.5;
+  panel.y.max = 1.5;
   const Filter filter = response.command(*result.filter);
   double top = 8.0 / ((filter.order() + 1) * period);
   for (const Mode& mode : modes) top = std::max(top, 1.5 * mode.frequency_high);
@@ -139,6 +145,9 @@ Panel response_panel(const DesignResult& result, const Filter* before) {
     add_response(panel, response.command(*before), period, top, dampings,
                  {"today", {}, {}, Mark::line, baseline_style});
   add_response(panel, filter, period, top, dampings, {before ? "designed" : "", {}, {}, Mark::line, design_style});
+  double least = 1.0;
+  for (const Series& series : panel.series) least = std::min(least, std::ranges::min(series.y));
+  panel.y.min = std::clamp(std::pow(10.0, std::floor(std::log10(least))), 1e-4, 0.1);
   return panel;
 }
 

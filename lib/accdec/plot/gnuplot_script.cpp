@@ -152,6 +152,10 @@ class Writer {
       line("set label {} at {},{} center offset 0,{} font 'DejaVu Sans,10' tc rgb '{}' front", quoted(note.text),
            number(note.x), number(note.y), note.below ? "-0.5" : "0.5", colours[binding_style]);
     }
+    for (const LegendPlace& name :
+         limit_name_places(panel, place.plot_left + place.plot_width, place.plot_top, place.plot_height))
+      line("set label {} at screen {:.6f},{:.6f} right font 'DejaVu Sans,10' tc rgb '{}' front", quoted(name.label),
+           name.x / page.width, 1.0 - name.y / page.height, limit_colour);
     plot(panel, x, y, place.legend_line);
     line("unset arrow\nunset label");
   }
@@ -236,8 +240,8 @@ class Writer {
     }
     for (const Circle& circle : panel.circles) {
       if (!circle.disc) continue;
-      line("set object {} circle at {},{} size first {} behind fc rgb '{}' fs solid noborder", ++object,
-           number(circle.x), number(circle.y), number(circle.radius), disc_colour);
+      line("set object {} ellipse at {},{} size {},{} units xy behind fc rgb '{}' fs solid noborder", ++object,
+           number(circle.x), number(circle.y), number(2.0 * circle.radius), number(2.0 * circle.radius), disc_colour);
     }
     std::vector<std::string> items;
     const auto data = [&](const std::vector<double>& xs, const std::vector<double>& ys) {

@@ -6,16 +6,20 @@
 
 #include <fmt/format.h>
 
+#include <accdec/plot/figure_layout.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/filter_panels.hpp>
 #include <accdec/plot/path_panels.hpp>
+#include <accdec/task/verified_contour.hpp>
 
 namespace accdec {
 namespace {
 
 using namespace figure_style;
 
-constexpr double no_distance = 1e-12;  ///< m; distances below it are zero
+constexpr double no_distance = 1e-12;          ///< m; distances below it are zero
+constexpr double margin = 0.06;                ///< of the path's panel, on every side
+constexpr double lowest = 1.0, highest = 1.6;  ///< of the path's panel, see Panel::taller
 
 /// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
 /// halving the angle.
@@ -35,18 +39,6 @@ PathPlane plane_of(const Corner& corner, const Machine& machine) {
   return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
 }
 
-/// m, of every sample from the nearer leg.
-std::vector<double> distances(const CornerMotion& at) {
-  const Corner& corner = at.task.geometry();
-  std::vector<double> found;
-  for (Eigen::Index n = 0; n < at.motion.position.rows(); ++n) {
-    const Eigen::VectorXd s = at.motion.position.row(n).transpose();
-    const double in = std::min(0.0, s.dot(corner.direction_in)), out = std::max(0.0, s.dot(corner.direction_out));
-    found.push_back(std::min((s - in * corner.direction_in).norm(), (s - out * corner.direction_out).norm()));
-  }
-  return found;
-}
-
 /// The part of the plane that is drawn, m.
 struct PathWindow {
   double left = 0.0, right = 0.0, low = 0.0, high = 0.0;
@@ -61,14 +53,14 @@ struct PathWindow {
 /// The blend, as far as its distance from the legs can be seen, with the beginning of both legs.
 void show_blend(PathWindow& window, const CornerMotion& at, const PathPlane& plane) {
   const Corner& corner = at.task.geometry();
-  const std::vector<double> off = distances(at);
+  const auto [rows, off] = path_distance(at.motion.position, corner);
   const double most = *std::max_element(off.begin(), off.end());
   const double tolerance = at.task.error_max.value_or(0.0);
   // A path that hardly leaves its legs is drawn in a window of the size of the tolerance.
   const bool leaves = most > std::max(0.1 * tolerance, no_distance);
   const double reach = leaves ? 4.0 * most : tolerance > 0.0 ? 1.5 * tolerance : 1e-4;
   for (std::size_t n = 0; n < off.size(); ++n) {
-    const Eigen::VectorXd s = at.motion.position.row(static_cast<Eigen::Index>(n)).transpose();
+    const Eigen::VectorXd s = at.motion.position.row(static_cast<Eigen::Index>(rows[n])).transpose();
     if (leaves && off[n] > 0.01 * most && s.norm() < 1.6 * reach) window.show(s.dot(plane.across), s.dot(plane.up));
   }
   for (const Eigen::VectorXd& end :
@@ -85,6 +77,17 @@ std::pair<std::size_t, std::size_t> nonzero(const std::vector<double>& values, d
   const auto from = static_cast<std::size_t>(first - values.begin()),
              to = values.size() - 1 - static_cast<std::size_t>(last - values.rbegin());
   return {from > 0 ? from - 1 : 0, std::min(to + 1, values.size() - 1)};
+}
+
+/// How many times a path is drawn higher than it is, or 1 over how many times wider, where it would fill less than half
+/// of its panel.
+double stretch_of(double aspect) {
+  double stretch = 1.0;
+  for (const double more : {2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
+    if (taller_for(more * aspect) <= lowest) stretch = more;
+    if (taller_for(aspect / more) >= highest) stretch = 1.0 / more;
+  }
+  return stretch;
 }
 
 /// From the corner to the sample nearest to it.
@@ -162,13 +165,19 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   panel.title = fmt::format("path around corner {}", now.task.name);
   const LimitUse* use = use_of(now.result, LimitKind::corner_error, now.task.name);
   if (use && use->bound > 0.0) panel.title += ": tolerance" + use_in_title(*use);
-  panel.taller = 1.6;
   panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
   panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
   panel.equal_aspect = true;
-  const double margin = 0.06 * window.size();
-  panel.x.min = scale * (window.left - margin), panel.x.max = scale * (window.right + margin);
-  panel.y.min = scale * (window.low - margin), panel.y.max = scale * (window.high + margin);
+  const double wide = std::max(window.right - window.left, 1e-3 * window.size()),
+               high = std::max(window.high - window.low, 1e-3 * window.size());
+  // As high as what it shows, within limits.
+  panel.taller = std::clamp(taller_for(high / wide), lowest, highest);
+  panel.stretch = stretch_of(high / wide);
+  if (panel.stretch != 1.0)
+    (panel.stretch > 1.0 ? panel.y : panel.x).label +=
+        fmt::format(", stretched {:.6g} times", std::max(panel.stretch, 1.0 / panel.stretch));
+  panel.x.min = scale * (window.left - margin * wide), panel.x.max = scale * (window.right + margin * wide);
+  panel.y.min = scale * (window.low - margin * high), panel.y.max = scale * (window.high + margin * high);
   if (before) {
     Series old = path_series(before->motion, plane, window, scale);
     old.label = "today", old.style = baseline_style, old.solid = true;
@@ -205,19 +214,20 @@ std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion*
   for (const CornerMotion* at : {before, &now}) {
     if (!at) continue;
     const bool design = at == &now;
-    std::vector<double> off = distances(*at);
+    auto [time, off] = path_distance(at->motion.position, at->task.geometry());
+    for (double& t : time) t = (t - static_cast<double>(at->motion.corner)) * at->result.task.sample_period * 1e3;
     for (double& d : off) d = d < no_distance ? 0.0 : d;
     const double here = *std::max_element(off.begin(), off.end());
     const auto [from, to] = nonzero(off, (at->sampled.moved ? 1e-3 : 1e-6) * here);  // a servo takes for ever
     if (here > 0.0) {
-      panel.x.min = std::min(panel.x.min.value_or(at->time[from]), at->time[from]);
-      panel.x.max = std::max(panel.x.max.value_or(at->time[to]), at->time[to]);
+      panel.x.min = std::min(panel.x.min.value_or(time[from]), time[from]);
+      panel.x.max = std::max(panel.x.max.value_or(time[to]), time[to]);
     }
     most = std::max(most, here);
     panel.series.push_back({!before  ? ""
                             : design ? "designed"
                                      : "today",
-                            at->time, std::move(off), Mark::line, design ? design_style : baseline_style, true});
+                            std::move(time), std::move(off), Mark::line, design ? design_style : baseline_style, true});
   }
   if (!(panel.x.min < panel.x.max)) return {};
   const double air = 0.04 * (*panel.x.max - *panel.x.min);
@@ -226,7 +236,17 @@ std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion*
   for (Series& series : panel.series) {
     for (double& y : series.y) y *= scale;
   }
-  panel.title = fmt::format("distance from the programmed path / {}", unit);
+  panel.title = fmt::format("distance from the programmed path / {}: largest {:.4g}", unit,
+                            scale * now.measures.contour_deviation);
+  if (const LimitUse* use = use_of(now.result, LimitKind::contour, now.task.name)) {
+    panel.title += ";" + use_in_title(*use);
+    panel.limits.push_back({scale * use->bound, "limit"});
+    const Series& design = panel.series.back();
+    const auto most_at = std::ranges::max_element(design.y) - design.y.begin();
+    if (use->utilisation > binding)
+      panel.series.push_back(
+          {"binds", {design.x[static_cast<std::size_t>(most_at)]}, {scale * use->value}, Mark::points, binding_style});
+  }
   panel.y.min = 0.0;
   return panel;
 }

@@ -27,7 +27,8 @@ struct CornerMotion {
 
 /// The path where it leaves the legs, with the tolerance and the error. That of `before` in grey below it, if not null.
 Panel path_panel(const CornerMotion& now, const CornerMotion* before);
-/// Distance of the path from the nearer leg over time; nothing where no motion leaves its legs.
+/// Distance of the path from the nearer leg over time, also between samples where it is largest there; nothing where no
+/// motion leaves its legs.
 std::optional<Panel> distance_panel(const CornerMotion& now, const CornerMotion* before);
 
 }  // namespace accdec

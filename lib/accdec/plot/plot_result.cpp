@@ -17,18 +17,13 @@
 #include <accdec/plot/filter_panels.hpp>
 #include <accdec/plot/path_panels.hpp>
 #include <accdec/plot/plot_result.hpp>
+#include <accdec/plot/quantity_panel.hpp>
 #include <accdec/plot/shown_time.hpp>
 
 namespace accdec {
 namespace {
 
 using namespace figure_style;
-
-/// Bounds on a quantity, SI.
-struct Bounds {
-  double low = -unlimited, high = unlimited;
-  bool any() const { return low > -unlimited || high < unlimited; }
-};
 
 /// Regeneration is the lower bound of power.
 Bounds bounds_of(const Axis& axis, LimitKind kind) {
@@ -64,147 +59,6 @@ Panel time_panel(const CornerMotion& now, const CornerMotion* before) {
   return panel;
 }
 
-/// The panel of one quantity: curves of the axes in the colour of the design, and of today's filter in grey below them.
-/// Axes differ by their dashes. Every sample that binds is marked, or else the worst one. Limits far beyond all curves
-/// are named in the title instead of flattening the curves.
-class QuantityPanel {
- public:
-  QuantityPanel(LimitKind kind, std::string_view name, const CornerMotion& now, const CornerMotion* before)
-      : name_(limit_name(kind)), panel_(time_panel(now, before)) {
-    const Unit* const unit = find_unit(name_.unit);
-    panel_.title = fmt::format("{} / {}", name, unit ? unit->printed : name_.unit);
-  }
-
-  /// @param name  of the axis, empty if there is but one curve  @param dash  that tells it from other axes
-  void add(const std::string& name, int dash, Series curve, const Series* before, const Bounds& bounds) {
-    Line line{name, bounds.low * name_.per_si, bounds.high * name_.per_si};
-    for (std::size_t n = 0; n < curve.y.size(); ++n) {
-      const double used = std::max(curve.y[n] / line.high, curve.y[n] / line.low);
-      if (used > line.use) line.use = used, line.worst = {curve.x[n], curve.y[n]};
-      peak_ = std::max(peak_, std::abs(curve.y[n]));
-    }
-    if (line.use > binding) add_bars(curve, line);
-    lines_.push_back(line);
-    curve.label = name.empty() ? "designed" : name, curve.dash = dash;
-    curves_.push_back(std::move(curve));
-    if (!before) return;
-    Series old = *before;
-    old.label = name.empty() ? "today" : name + " today", old.style = baseline_style, old.dash = dash;
-    panel_.series.push_back(std::move(old));
-  }
-
-  Panel finished() {
-    std::move(curves_.begin(), curves_.end(), std::back_inserter(panel_.series));
-    std::move(bars_.begin(), bars_.end(), std::back_inserter(panel_.series));
-    if (lines_.size() > 1) panel_.notes = std::move(notes_);
-    const auto worst = std::ranges::max_element(lines_, {}, &Line::use);
-    if (worst->use > 0.0) {
-      panel_.title += ": " + bound() + uses() + (lines_.size() == 1 && worst->use > binding ? ", binding" : "");
-      if (worst->use <= binding)
-        panel_.series.push_back({"largest use", {worst->worst.first}, {worst->worst.second}, Mark::points, 0});
-    }
-    add_limits();
-    return std::move(panel_);
-  }
-
- private:
-  struct Line {
-    std::string name;
-    double low, high, use = 0.0;
-    std::pair<double, double> worst{};
-  };
-
-  /// The limit itself, drawn over every sample that reaches it: the upper and the lower one apart, or steps would join
-  /// them.
-  void add_bars(const Series& curve, const Line& line) {
-    for (const double limit : {line.high, line.low}) {
-      Series bars{bars_.empty() ? "binds" : "", curve.x, {}, Mark::steps, binding_style + most_lines / 3, true};
-      bars.y.assign(curve.y.size(), std::nan(""));
-      bool any = false;
-      for (std::size_t n = 0; n < curve.y.size(); ++n) {
-        if (!std::isfinite(limit) || !(curve.y[n] / limit >= binding)) continue;
-        bars.y[n] = limit;
-        if (n > 0) bars.y[n - 1] = limit;  // a step ends at its sample
-        any = true;
-      }
-      name_bars(bars, limit, line.name);
-      if (any) bars_.push_back(std::move(bars));
-    }
-  }
-
-  /// The axis, beside each of its bars. Bars that overlap, or nearly, have one note with all names.
-  void name_bars(const Series& bars, double limit, const std::string& name) {
-    const double near = 0.03 * (*panel_.x.max - *panel_.x.min);
-    for (std::size_t first = 0; first < bars.y.size(); ++first) {
-      if (std::isnan(bars.y[first])) continue;
-      std::size_t last = first;
-      while (last + 1 < bars.y.size() && !std::isnan(bars.y[last + 1])) ++last;
-      const double middle = 0.5 * (bars.x[first] + bars.x[last]);
-      first = last;
-      const auto there = std::ranges::find_if(
-          notes_, [&](const Note& note) { return note.y == limit && std::abs(note.x - middle) < near; });
-      if (there == notes_.end())
-        notes_.push_back({middle, limit, name, limit < 0.0});
-      else if (!there->text.ends_with(name))
-        there->text += ", " + name;
-    }
-  }
-
-  /// "y binds; ", where there are several axes.
-  std::string bound() const {
-    std::string names;
-    std::size_t count = 0;
-    for (const Line& line : lines_) {
-      if (line.use <= binding) continue;
-      names += (names.empty() ? "" : ", ") + line.name;
-      ++count;
-    }
-    return count == 0 || lines_.size() == 1 ? "" : fmt::format("{} bind{}; ", names, count == 1 ? "s" : "");
-  }
-
-  /// "x 40.0 %, y 98.2 % used"
-  std::string uses() const {
-    std::string text;
-    for (const Line& line : lines_) {
-      if (!std::isfinite(line.low) && !std::isfinite(line.high)) continue;
-      text += fmt::format("{}{}{}{:.1f} %", text.empty() ? "" : ", ", line.name, line.name.empty() ? "" : " ",
-                          100.0 * line.use);
-    }
-    return text + " used";
-  }
-
-  void add_limits() {
-    constexpr double off_scale = 2.0;
-    std::string beyond, before;
-    for (const Line& line : lines_) {
-      std::string far;
-      for (const double limit : {line.high, line.low}) {
-        const bool known = std::ranges::find(panel_.limits, limit, &LimitLine::y) != panel_.limits.end();
-        if (!std::isfinite(limit) || known) continue;
-        if (std::abs(limit) <= off_scale * peak_)
-          panel_.limits.push_back({limit, panel_.limits.empty() ? "limit" : ""});
-        else if (line.low == -line.high)
-          far = fmt::format(" ±{:.6g}", line.high);
-        else
-          far += fmt::format(" {:.6g}", limit);
-      }
-      // Axes with the same limits are named together.
-      if (far.empty()) continue;
-      beyond += far == before ? "" : (beyond.empty() ? "" : ",") + far;
-      if (lines_.size() > 1) beyond += (far == before ? " and " : " of ") + line.name;
-      before = far;
-    }
-    if (!beyond.empty()) panel_.title += fmt::format("; limit{}, off scale", beyond);
-  }
-
-  const LimitName& name_;
-  Panel panel_;
-  std::vector<Line> lines_;
-  std::vector<Series> curves_, bars_;
-  std::vector<Note> notes_;
-  double peak_ = 0.0;
-};
-
 Series speed_series(const CornerMotion& at, std::string label, int style) {
   Series speed{std::move(label), at.time, {}, Mark::line, style, true};
   for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n)
@@ -231,8 +85,8 @@ void add_speed(Panel& panel, const CornerMotion& now, const CornerMotion* before
 /// One quantity of the axes that move: velocity and acceleration of all, others of those with a limit. None without.
 std::optional<Panel> motion_panel(LimitKind kind, const CornerMotion& now, const CornerMotion* before) {
   const std::vector<Axis>& axes = now.result.task.machine.axes;
-  QuantityPanel panel(kind, kind == LimitKind::force_speed ? "force scaled to standstill" : limit_name(kind).name, now,
-                      before);
+  QuantityPanel panel(kind, kind == LimitKind::force_speed ? "force scaled to standstill" : limit_name(kind).name,
+                      time_panel(now, before));
   std::vector<Series> moved;
   int drawn = 0;
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
@@ -269,7 +123,7 @@ Panel total_power_panel(const CornerMotion& now, const CornerMotion* before) {
     }
     return sum;
   };
-  QuantityPanel panel(LimitKind::power, "power of all axes", now, before);
+  QuantityPanel panel(LimitKind::power, "power of all axes", time_panel(now, before));
   const std::optional<Series> old = before ? std::optional(total(*before)) : std::nullopt;
   panel.add("", 0, total(now), old ? &*old : nullptr, {-machine.regeneration_total_max, machine.power_total_max});
   return panel.finished();

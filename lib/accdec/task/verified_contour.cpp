@@ -13,11 +13,11 @@ double leg_gap(const Eigen::VectorXd& x, const Eigen::VectorXd& outward) {
 
 }  // namespace
 
-void ContourWatch::note(double distance, int sample) {
-  if (distance > deviation_) deviation_ = distance, sample_ = sample;
+void ContourWatch::note(double distance, double time) {
+  if (distance > deviation_) deviation_ = distance, time_ = time;
 }
 
-double ContourWatch::between(const Eigen::VectorXd& x) const {
+void ContourWatch::note_between(const Eigen::VectorXd& x, int sample) {
   double low = 0.0, high = 1.0;
   Eigen::VectorXd middle;
   for (int i = 0; i < 60; ++i) {
@@ -26,15 +26,32 @@ double ContourWatch::between(const Eigen::VectorXd& x) const {
     (leg_gap(middle, back_) < leg_gap(middle, forward_) ? low : high) = at;
   }
   middle = previous_ + low * (x - previous_);
-  return std::min(leg_gap(middle, back_), leg_gap(middle, forward_));
+  note(std::min(leg_gap(middle, back_), leg_gap(middle, forward_)), sample - 1 + low);
 }
 
 void ContourWatch::add(const Eigen::VectorXd& x, int sample) {
   const double to_back = leg_gap(x, back_), to_forward = leg_gap(x, forward_);
-  if (previous_.size() > 0 && to_back_ < to_forward_ && to_back > to_forward) note(between(x), sample - 1);
+  if (previous_.size() > 0 && to_back_ < to_forward_ && to_back > to_forward) note_between(x, sample);
   note(std::min(to_back, to_forward), sample);
   previous_ = x;
   to_back_ = to_back, to_forward_ = to_forward;
+}
+
+PathDistance path_distance(const Eigen::MatrixXd& positions, const Corner& corner) {
+  PathDistance path;
+  const Eigen::VectorXd back = -corner.direction_in;
+  for (Eigen::Index n = 0; n < positions.rows(); ++n) {
+    const Eigen::VectorXd x = positions.row(n).transpose();
+    const double here = std::min(leg_gap(x, back), leg_gap(x, corner.direction_out));
+    if (n > 0) {
+      ContourWatch chord(corner);
+      chord.add(positions.row(n - 1).transpose(), static_cast<int>(n - 1)), chord.add(x, static_cast<int>(n));
+      if (chord.deviation() > std::max(path.distance.back(), here))
+        path.time.push_back(chord.time()), path.distance.push_back(chord.deviation());
+    }
+    path.time.push_back(static_cast<double>(n)), path.distance.push_back(here);
+  }
+  return path;
 }
 
 }  // namespace accdec

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include <accdec/corner.hpp>
@@ -15,17 +18,25 @@ class ContourWatch {
   /// The next sample of the motion, m from the corner point.
   void add(const Eigen::VectorXd& x, int sample);
   double deviation() const { return deviation_; }  ///< m, so far
-  /// The sample at which it is so large, or that before the chord on which it is.
-  int sample() const { return sample_; }
+  /// The time at which it is so large, in samples: a fraction on the chord between two.
+  double time() const { return time_; }
+  /// The sample there, or that before the chord.
+  int sample() const { return static_cast<int>(std::floor(time_)); }
 
  private:
-  void note(double distance, int sample);
-  /// Largest distance on the chord to x, where the nearer leg changes.
-  double between(const Eigen::VectorXd& x) const;
+  void note(double distance, double time);
+  /// The largest distance on the chord to x, where the nearer leg changes.
+  void note_between(const Eigen::VectorXd& x, int sample);
 
   Eigen::VectorXd back_, forward_, previous_{};
-  double to_back_ = 0.0, to_forward_ = 0.0, deviation_ = 0.0;
-  int sample_ = 0;
+  double to_back_ = 0.0, to_forward_ = 0.0, deviation_ = 0.0, time_ = 0.0;
 };
+
+/// Distance of a path from the nearer leg: at every sample, and between two where it is largest there.
+struct PathDistance {
+  std::vector<double> time, distance;  ///< samples, fractions between two; m
+};
+/// @param positions  of the samples, one a row, m from the corner point
+PathDistance path_distance(const Eigen::MatrixXd& positions, const Corner& corner);
 
 }  // namespace accdec

@@ -21,6 +21,9 @@ function aligned(curves, period) {
   return columns;
 }
 
+/** The same for curves that also have points between samples. */
+const joined = (curves) => uPlot.join(curves.map(({ time, values }) => [time, values]));
+
 /** Arrow keys move the cursor of a chart, and so that of all with it; Home and End go to its ends. */
 export function withKeys(place, plotNow) {
   place.tabIndex = 0;
@@ -57,8 +60,8 @@ export const padding = [null, 20, null, null];
 
 /** A chart that is made once and then gets new data. */
 export class Chart {
-  constructor(place, { title, height = 190, log = false, together = true, xTitle = "time / ms" }) {
-    Object.assign(this, { place, height, log, together, xTitle });
+  constructor(place, { title, height = 190, log = false, together = true, between = false, xTitle = "time / ms" }) {
+    Object.assign(this, { place, height, log, together, between, xTitle });
     if (title !== undefined) {
       this.heading = make("h2", {}, title);
       this.draw = make("div", { class: "draw" });
@@ -77,7 +80,7 @@ export class Chart {
   /** specs: {label, values, time, axis, before, bound, steps, word, bars}; limits: {value}; x: range or null. */
   show(specs, limits, { period, x, y, extra }) {
     const signature = JSON.stringify(specs.map((s) => [s.label, s.axis, s.before, s.steps, s.bars]));
-    const data = aligned(specs, period);
+    const data = this.between ? joined(specs) : aligned(specs, period);
     this.now = { specs, limits, x, y, extra };
     if (this.plot && signature === this.signature) {
       this.plot.setData(data, false);
@@ -146,7 +149,7 @@ export class Chart {
           label: spec.label,
           value: shownValue,
           scale: "y",
-          spanGaps: false,
+          spanGaps: this.between,
           points: { show: false },
           stroke: colour(spec.before ? "before" : "design"),
           width: spec.before ? 1.5 : (spec.thick ?? 2),

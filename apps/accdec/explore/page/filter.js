@@ -53,7 +53,9 @@ export class FilterCharts {
     });
     const lines = [curve(now, { label: "design" })];
     if (before) lines.push(curve(before, { label: "before", before: true }));
-    this.response.show(lines, [], { period: step, x: [0, high], y: [1e-4, 1.5], extra: (plot) => bands(plot, modes) });
+    const least = Math.min(...lines.flatMap(({ values }) => values), ...modes.map((m) => m.residual_max ?? 1));
+    const low = Math.min(0.1, Math.max(1e-4, 10 ** Math.floor(Math.log10(least))));
+    this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra: (plot) => bands(plot, modes) });
   }
 }
 

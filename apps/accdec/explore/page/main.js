@@ -31,7 +31,7 @@ const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() 
 const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
 const filters = new FilterCharts($("#taps"), $("#response"));
-const off = new Chart($("#off"), { height: 290 });
+const off = new Chart($("#off"), { height: 290, between: true });
 
 function note(text) {
   $("#note").textContent = text;
@@ -218,12 +218,18 @@ function drawNow() {
   const [shown, shownBefore] = whole ? [view, old] : [blendOnly(view), old && blendOnly(old)];
   const distance = (v, before) => ({
     label: before ? "before" : "design",
-    time: v.time_ms,
-    values: distances(v.path),
+    ...distances(v, period),
     axis: 0,
     before,
   });
-  off.show([distance(shown, false), ...(old ? [distance(shownBefore, true)] : [])], [], { period, x });
+  const most = result.task.corner[i].contour_max_um;
+  const said = `largest ${(1e6 * result.corners[i].contour_deviation_m).toFixed(2)}`;
+  $("#off h2").textContent = `Distance from the programmed legs / \u00b5m: ${said}`;
+  off.show(
+    [{ ...distance(shown, false), bound: most }, ...(old ? [distance(shownBefore, true)] : [])],
+    most ? [{ value: most }] : [],
+    { period, x },
+  );
   motion.show(shown, shownBefore, period, x, result.task.corner[i].speed_min_mm_s ?? null);
 }
 

@@ -10,6 +10,27 @@ export function colour(name) {
   return known.get(name);
 }
 
+/** A word with a rim of paper, which sets it off from the lines below it. */
+function words(ctx, text, at, name) {
+  (ctx.strokeStyle = "#ffffff"), (ctx.lineWidth = 4 * devicePixelRatio), (ctx.lineJoin = "round");
+  ctx.fillStyle = colour(name);
+  ctx.strokeText(text, ...at), ctx.fillText(text, ...at);
+}
+
+/** Names of limits at the right ends of their lines; one whose line is near that below stands to the left of it. */
+function limitNames({ ctx, bbox, valToPos }, limits) {
+  const ratio = devicePixelRatio;
+  (ctx.font = `${11 * ratio}px system-ui, sans-serif`), (ctx.textAlign = "right");
+  let below = { y: Infinity };
+  for (const { value, name } of [...limits].sort((a, b) => a.value - b.value)) {
+    const y = valToPos(value, "y", true) - 4 * ratio;
+    if (!name || y < bbox.top || y > bbox.top + bbox.height) continue;
+    const right = below.y - y < 12 * ratio ? below.left : bbox.left + bbox.width;
+    words(ctx, name, [right - 4 * ratio, y], "limit");
+    below = { y, left: right - 8 * ratio - ctx.measureText(name).width };
+  }
+}
+
 /** Words at the largest value of a curve, red bars where a limit binds, the zero line. */
 export function marks(specs, limits) {
   return (plot) => {
@@ -41,6 +62,7 @@ export function marks(specs, limits) {
       });
     });
     ctx.stroke();
+    limitNames(plot, limits);
     (ctx.font = `${12 * ratio}px system-ui, sans-serif`), (ctx.textAlign = "center");
     specs.forEach((spec, i) => {
       if (!spec.word || spec.before) return;
@@ -54,15 +76,12 @@ export function marks(specs, limits) {
       if (best < 0) return;
       const v = plot.data[i + 1][best];
       const y = plot.valToPos(v, "y", true) + (v >= 0 ? -5 : 14) * ratio;
-      ctx.fillStyle = colour("design");
       const x = Math.min(
         Math.max(plot.valToPos(plot.data[0][best], "x", true), left + 16 * ratio),
         left + width - 16 * ratio,
       );
       const at = [x, Math.min(Math.max(y, top + 12 * ratio), top + height - 3 * ratio)];
-      // A rim of paper sets the word off from the lines below it.
-      (ctx.strokeStyle = "#ffffff"), (ctx.lineWidth = 4 * ratio), (ctx.lineJoin = "round");
-      ctx.strokeText(spec.word, ...at), ctx.fillText(spec.word, ...at);
+      words(ctx, spec.word, at, "design");
     });
     ctx.restore();
   };

@@ -16,14 +16,31 @@ export function blendOnly(view) {
   };
 }
 
-/** um from the legs; what is below a picometre is the rounding of numbers, and no distance. */
-export const distances = (path) => path.off_um.map((x) => (x < 1e-6 ? 0 : x));
+/**
+ * um from the legs at every sample, and between two where the path is farther off; what is below a picometre is the
+ * rounding of numbers, and no distance.
+ * @param period  ms
+ */
+export function distances({ time_ms, path }, period) {
+  const zeroed = (x) => (x < 1e-6 ? 0 : x);
+  const samples = path.off_um.map((x, i) => [Math.round(time_ms[i] / period) * period, zeroed(x)]);
+  const between = path.between.filter(([t]) => t > samples[0][0] && t < samples.at(-1)[0]);
+  const points = [...samples, ...between].sort((a, b) => a[0] - b[0]);
+  return { time: points.map(([t]) => t), values: points.map(([, x]) => x) };
+}
 
 /** Power has a bound of its own for driving, above zero, and for braking, below. */
 const sidesOf = { power: [1], regeneration: [-1] };
 
 const binds = (axis, sides) =>
   axis.values.some((v) => Math.abs(v) >= binding * axis.bound && sides.includes(Math.sign(v)));
+
+/** Limits with the names of their axes; without, where all axes have the same, and below zero where both sides have it. */
+const named = (limits, axes) =>
+  [...limits].map(([value, names]) => ({
+    value,
+    name: names.length === axes || (value < 0 && limits.has(-value)) ? "" : names.join(", "),
+  }));
 
 /** The charts of all quantities of a corner; made again only where other quantities are shown. */
 export class Motion {
@@ -45,7 +62,7 @@ export class Motion {
         this.charts.set(quantity.kind, new Chart(section, { title: `${quantity.kind} / ${unit(quantity.unit)}` }));
       }
       const specs = [],
-        limits = new Set();
+        limits = new Map(); // names of axes, by value
       const old = before?.quantities.find((q) => q.kind === quantity.kind);
       old?.axes.forEach((axis, i) =>
         specs.push({
@@ -69,12 +86,13 @@ export class Motion {
           sides,
           steps: quantity.kind !== "velocity",
         });
-        if (axis.bound !== null) for (const side of sides) limits.add(side * axis.bound);
+        if (axis.bound !== null)
+          for (const side of sides) limits.set(side * axis.bound, [...(limits.get(side * axis.bound) ?? []), axis.name]);
       });
       if (quantity.kind === "velocity") {
         // The smallest speed is asked for between the legs: not at the start, nor at the stop.
         specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bound: least, least });
-        if (least) limits.add(least);
+        if (least) limits.set(least, ["smallest allowed"]);
       }
       const chart = this.charts.get(quantity.kind);
       const bind = quantity.axes.filter((axis) => axis.bound !== null && binds(axis, sides)).map((axis) => axis.name);
@@ -82,7 +100,7 @@ export class Motion {
       chart.heading.textContent = `${quantity.kind} / ${unit(quantity.unit)}${names}`;
       chart.show(
         specs,
-        [...limits].map((value) => ({ value })),
+        named(limits, quantity.axes.length),
         { period, x },
       );
     }

@@ -3,7 +3,7 @@ import { cornerText, openCorner } from "./corner.js";
 import { $, four, instant, make, table } from "./format.js";
 import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
-import { download, frozen } from "./save.js";
+import { baseName, download, frozen } from "./save.js";
 import { Scene } from "./scene.js";
 import { Shades } from "./shades.js";
 import { Shown } from "./shown.js";
@@ -145,15 +145,16 @@ function tables() {
   ]);
   const wide = (content) => make("div", { class: "wide" }, content);
   $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(columns, rows)));
-  const bounds = plan.bounds.map((b) => [
-    b.name,
-    b.time_s.toFixed(4),
-    `${((100 * b.time_s) / plan.cycle_time_s).toFixed(2)} %`,
-    b.motions,
-  ]);
-  const head = ["bound", "time / s", "of this plan", "holds for"];
+  // The table has the class of motions; what else is to be said stands below it.
+  const notes = [];
+  const bounds = plan.bounds.map(({ name, time_s, motions }) => {
+    const [holds, ...more] = motions.split("; ");
+    if (more.length) notes.push(make("p", { class: "small" }, `${name}: ${more.join("; ")}.`));
+    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), holds];
+  });
+  const head = ["bound", "time / s", "of this plan / %", "holds for"];
   $("#bounds").replaceChildren(
-    ...(bounds.length ? [make("h2", {}, "no motion is faster than"), wide(table(head, bounds))] : []),
+    ...(bounds.length ? [make("h2", {}, "no motion is faster than"), wide(table(head, bounds)), ...notes] : []),
   );
 }
 
@@ -255,7 +256,7 @@ async function pageText() {
 }
 $("#save").addEventListener("click", async () => {
   try {
-    const base = program.name.replace(/^.*[/]|[.][^.]*$/g, "");
+    const base = baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""));
     download(new Blob([await pageText()], { type: "text/html" }), `${base}.html`);
   } catch (error) {
     $("#info").textContent = error.message;

@@ -8,11 +8,13 @@ export function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-const baseName = ({ state }) =>
-  (state.task.title || "task")
+/** What a file is called after a name; "task" if nothing of the name can stand there. */
+export const baseName = (name) =>
+  name
     .replace(/[^\w.-]+/g, "-")
     .replace(/^-+|-+$/g, "")
     .slice(0, 60) || "task";
+const taskName = ({ state }) => baseName(state.task.title ?? "");
 
 export async function copyTask(shared) {
   try {
@@ -21,7 +23,7 @@ export async function copyTask(shared) {
       await navigator.clipboard.writeText(text);
       shared.note("copied");
     } catch {
-      download(new Blob([text], { type: "text/plain" }), `${baseName(shared)}.toml`);
+      download(new Blob([text], { type: "text/plain" }), `${taskName(shared)}.toml`);
       shared.note("saved as a file: the browser keeps the clipboard to itself");
     }
   } catch (error) {
@@ -52,7 +54,7 @@ export function exportChoice(select, shared) {
     const format = select.value;
     select.value = "";
     try {
-      const name = baseName(shared);
+      const name = taskName(shared);
       if (format === "task") return download(await askBlob("file", shared.state.task), `${name}.toml`);
       const body = format === "result" ? shared.state.task : shared.page.design?.result;
       if (!body) throw new Error("there is no design to export");
@@ -140,7 +142,7 @@ export async function pageText(shared) {
 
 export async function savePage(shared) {
   try {
-    download(new Blob([await pageText(shared)], { type: "text/html" }), `${baseName(shared)}.html`);
+    download(new Blob([await pageText(shared)], { type: "text/html" }), `${taskName(shared)}.html`);
   } catch (error) {
     shared.note(error.message);
   }
