@@ -170,8 +170,10 @@ std::string title_of(const DesignResult& result, const DesignResult* before, con
         before->status == Status::infeasible ? "; today's filter breaks a limit" : "; today's filter has no answer";
   } else if (before) {
     const double saved = before->objective() - result.objective();
-    title += fmt::format(" designed, {:.4g} ms {} than today's {:.6g} ms", 1e3 * std::abs(saved),
-                         saved < 0.0 ? "more" : "less", 1e3 * before->objective());
+    title += std::abs(saved) < 1e-9
+                 ? " designed, as long as today"
+                 : fmt::format(" designed, {:.4g} ms {} than today's {:.6g} ms", 1e3 * std::abs(saved),
+                               saved < 0.0 ? "more" : "less", 1e3 * before->objective());
   }
   return title + fmt::format("; corner {}, delay {} samples", corner.name, corner.delay);
 }

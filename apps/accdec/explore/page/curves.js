@@ -22,7 +22,8 @@ function aligned(curves, period) {
 }
 
 /** The same for curves that also have points between samples. */
-const joined = (curves) => uPlot.join(curves.map(({ time, values }) => [time, values]));
+const joined = (curves) =>
+  uPlot.join(curves.map(({ time, values }) => [time, values])).map((column) => column.map((v) => v ?? null));
 
 /** Arrow keys move the cursor of a chart, and so that of all with it; Home and End go to its ends. */
 export function withKeys(place, plotNow) {

@@ -24,7 +24,7 @@ export const unit = (text) => text.replace("^2", "\u00b2").replace("^3", "\u00b3
 
 /** An element: attributes, then children, which are elements or texts. */
 export function make(tag, attributes = {}, ...children) {
-  const svg = ["svg", "path", "circle", "line", "text", "g", "rect", "polyline", "title"].includes(tag);
+  const svg = ["svg", "path", "circle", "ellipse", "line", "text", "g", "rect", "polyline", "title"].includes(tag);
   const element = svg ? document.createElementNS("http://www.w3.org/2000/svg", tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);

@@ -42,7 +42,13 @@ const nice = (span) => {
   return [1, 2, 5, 10].find((step) => step * power >= span) * power;
 };
 
-function axes(box, at, names, toUnit, unitName) {
+/** How many times y is drawn longer than x, where the path would fill less than half of its panel; below 1: x than y. */
+function stretchOf(aspect) {
+  const most = [10, 8, 6, 5, 4, 3, 2].find((n) => n <= aspect || n <= 1 / aspect) ?? 1;
+  return aspect > 1 ? most : 1 / most;
+}
+
+function axes(box, at, names, toUnit, unitName, stretch) {
   const parts = [];
   const { left, right, top, bottom, width, height } = size;
   const step = nice((box[1] - box[0]) / 7);
@@ -57,16 +63,19 @@ function axes(box, at, names, toUnit, unitName) {
       ),
     );
   }
-  for (let y = Math.ceil(box[2] / step) * step; y <= box[3]; y += step) {
+  const rise = stretch === 1 ? step : nice((box[3] - box[2]) / 5);
+  for (let y = Math.ceil(box[2] / rise) * rise; y <= box[3]; y += rise) {
     const [, py] = at(0, y);
     parts.push(
       make("line", { class: "grid", x1: left, x2: width - right, y1: py, y2: py }),
-      make("text", { x: left - 5, y: py + 4, "text-anchor": "end" }, four(Math.round(y / step) * step * toUnit)),
+      make("text", { x: left - 5, y: py + 4, "text-anchor": "end" }, four(Math.round(y / rise) * rise * toUnit)),
     );
   }
+  const longer = `, stretched ${four(Math.max(stretch, 1 / stretch))} times`;
+  const [x, y] = names.map((name, i) => `${name} / ${unitName}${(i ? stretch > 1 : stretch < 1) ? longer : ""}`);
   parts.push(
-    make("text", { x: width - right, y: height - 3, "text-anchor": "end" }, `${names[0]} / ${unitName}`),
-    make("text", { x: left, y: top - 2 }, `${names[1]} / ${unitName}`),
+    make("text", { x: width - right, y: height - 3, "text-anchor": "end" }, x),
+    make("text", { x: left, y: top - 2 }, y),
   );
   return parts;
 }
@@ -127,16 +136,19 @@ export function drawPath(place, now, before) {
     Math.max(a[3], b[3]),
   ]);
   const plot = [size.width - size.left - size.right, size.height - size.top - size.bottom];
-  const scale = Math.min(plot[0] / (box[1] - box[0]), plot[1] / (box[3] - box[2]));
-  // The same scale on both axes; what is left over is shared.
+  const fits = [plot[0] / (box[1] - box[0]), plot[1] / (box[3] - box[2])];
+  const stretch = stretchOf(fits[1] / fits[0]);
+  const scale = Math.min(fits[0], fits[1] / stretch),
+    scales = [scale, scale * stretch];
+  // What is left over is shared.
   for (const [i, span] of [
-    [0, plot[0] / scale],
-    [2, plot[1] / scale],
+    [0, plot[0] / scales[0]],
+    [2, plot[1] / scales[1]],
   ]) {
     const more = (span - (box[i + 1] - box[i])) / 2;
     (box[i] -= more), (box[i + 1] += more);
   }
-  const at = (x, y) => [size.left + (x - box[0]) * scale, size.top + (box[3] - y) * scale];
+  const at = (x, y) => [size.left + (x - box[0]) * scales[0], size.top + (box[3] - y) * scales[1]];
   const large = box[1] - box[0] > 4000;
   const { view, corner, tolerance } = now;
   const [cx, cy] = at(0, 0);
@@ -144,7 +156,7 @@ export function drawPath(place, now, before) {
   const clip = [];
   const binds = 1e6 * corner.corner_error_m >= binding * tolerance;
   const looks = binds ? "tolerance binds" : "tolerance";
-  if (tolerance) clip.push(make("circle", { class: looks, cx, cy, r: tolerance * scale }));
+  if (tolerance) clip.push(make("ellipse", { class: looks, cx, cy, rx: tolerance * scales[0], ry: tolerance * scales[1] }));
   const far = 3 * Math.hypot(box[1] - box[0], box[3] - box[2]);
   const legs = [
     at(-view.path.in[0] * far, -view.path.in[1] * far),
@@ -169,7 +181,7 @@ export function drawPath(place, now, before) {
     },
     ...clip,
   );
-  parts.push(...axes(box, at, view.path.names, large ? 1e-3 : 1, large ? "mm" : "\u00b5m"), inner);
+  parts.push(...axes(box, at, view.path.names, large ? 1e-3 : 1, large ? "mm" : "\u00b5m", stretch), inner);
   const words = `error ${four(1e6 * corner.corner_error_m)} \u00b5m${tolerance ? ` of ${four(tolerance)}` : ""}`;
   const drawn = view.path.x_um.map((x, i) => at(x, view.path.y_um[i]));
   const { x, y, anchor } = emptiest(drawn, legs);
