@@ -32,8 +32,8 @@ CaseSpec boxcar_only(int delay) {
   return spec;
 }
 
-/// Way left at sample k of a stop, in full-speed samples, when what is missing of a step falls by a in every sample
-/// behind a boxcar of 41 taps: sample by sample.
+/// Way left at sample k of a stop behind a boxcar of 41 taps and a loop of this gain, in full-speed samples. The loop
+/// is followed sample by sample: its following error falls by a in each.
 double left_of(int k, double gain) {
   const double x = gain * 1e-3, a = std::exp(-x), lag = (1.0 - a) / x;
   double error = 1.0 / x, way = 0.0;  // behind the command: at steady feed to begin with
@@ -64,8 +64,8 @@ TEST(ResponseCase, TheOnlyFilterErrsAsTheLoopDoes) {
   }
 }
 
-// At a symmetric apex of 90 degrees the contour is the error times sin 45 deg: 2 v T cos 45 deg m (m + 1)/2/41 with
-// m = 20 - d/2.
+// At a symmetric apex of 90 degrees the contour is the error times sin 45 deg. The error is
+// 2 v T cos 45 deg m (m + 1)/2/41 with m = 20 - d/2.
 TEST(ResponseCase, ContoursBindAtTheClosedForm) {
   const double error = 2.0 * 0.1e-3 * std::sqrt(0.5) * 14 * 15 / 2.0 / 41;
   for (const double part : {1.01, 0.99}) {

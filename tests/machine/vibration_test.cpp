@@ -293,7 +293,7 @@ TEST(DampedVibration, RefusesDampingOutOfRange) {
   }
 }
 
-// What is left counts at the last tap that is not zero: zeros behind it let nothing die away.
+// A residual counts at the last tap that is not zero. Zeros behind it let nothing die away.
 TEST(Residual, ZerosBehindTheLastTapChangeNothing) {
   for (const double z : {0.0, 0.06, 0.3}) {
     // One tap leaves all of a step, however many zeros follow.
