@@ -115,7 +115,7 @@ std::string explain_hint(const std::string& task) {
 
 void run(const DesignArguments& arguments, Context& context) {
   const auto began = std::chrono::steady_clock::now();
-  const Task task = read_task(arguments.task, {.response = Considered::any});
+  const Task task = read_task(arguments.task, {.response = Considered::all});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
   const bool compared = Response(task.machine, task.sample_period).averages();

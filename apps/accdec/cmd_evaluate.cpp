@@ -5,7 +5,6 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/machine/response.hpp>
-#include <accdec/motion/circle.hpp>
 #include <accdec/task.hpp>
 #include <accdec/verify.hpp>
 
@@ -23,19 +22,17 @@ struct EvaluateArguments {
 
 CircleRecord evaluate_circle(const Task& task, const EvaluateArguments& options) {
   CircleRecord circle{options.circle_radius_mm * 1e-3, options.circle_feed_mm_min / 6e4, {}};
-  const Filter filter = make_filter(*task.filter);
-  if (!Response(task.machine, task.sample_period).common())
-    throw std::invalid_argument("--circle-radius-mm needs one response of all axes, without negative taps");
-  const FilterBehind behind(filter, task.machine, task.sample_period);
-  circle.error = circle_error(behind.motion(), circle.radius, circle.feed, task.sample_period);
+  circle.error = circle_error(make_filter(*task.filter), task, circle.radius, circle.feed);
   return circle;
 }
 
 void print_circle(const Task& task, const EvaluateArguments& options, const CircleError& error) {
+  const bool shrinks = Response(task.machine, task.sample_period).common();
   fmt::print(
-      "\ncircle of radius {:g} mm at {:g} mm/min: smaller by {:.4f} um (simulated turn {:.4f} um, "
-      "v^2 sigma^2/(2R) {:.4f} um with sigma = {:.4g} ms)\n",
-      options.circle_radius_mm, options.circle_feed_mm_min, 1e6 * error.radius_error, 1e6 * error.simulated,
+      "\ncircle of radius {:g} mm at {:g} mm/min: {} {:.4f} um (simulated turn {:.4f} um, "
+      "v^2 sigma^2/(2R){} {:.4f} um with sigma = {:.4g} ms)\n",
+      options.circle_radius_mm, options.circle_feed_mm_min, shrinks ? "smaller by" : "off by up to",
+      1e6 * error.radius_error, 1e6 * error.simulated, shrinks ? "" : " and half the lag between the axes",
       1e6 * error.small_angle, 1e3 * error.deviation);
   const double turn = 2.0 * std::numbers::pi * options.circle_radius_mm / (options.circle_feed_mm_min / 60.0);
   if (turn < make_filter(*task.filter).order() * task.sample_period)
@@ -62,7 +59,7 @@ void add_evaluate(CLI::App& app, Context& context) {
   radius->needs(feed);
   feed->needs(radius);
   command->callback([options, &context] {
-    const Task task = read_task(options->task, {.require_choices = true, .response = Considered::any});
+    const Task task = read_task(options->task, {.require_choices = true, .response = Considered::all});
     warn(task, options->task, context);
     require_outputs({options->json}, {options->task});
     std::optional<CircleRecord> circle;

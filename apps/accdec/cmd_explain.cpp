@@ -24,7 +24,7 @@ struct ExplainArguments {
 };
 
 void run(const ExplainArguments& arguments, Context& context) {
-  const Task task = read_task(arguments.task, {.response = Considered::any});
+  const Task task = read_task(arguments.task, {.response = Considered::all});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
   ExplainOptions options;

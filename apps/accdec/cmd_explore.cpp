@@ -60,7 +60,7 @@ std::string start_of(const ExploreArguments& arguments, const Context& context) 
                                        [&](const std::string& line) { status.tell(line); });
   }
   const bool given = !arguments.file.empty();
-  const Task task = given ? read_task(arguments.file, {.response = Considered::any})
+  const Task task = given ? read_task(arguments.file, {.response = Considered::all})
                           : parse_task(machine_file(first_machine).text, std::string(first_machine));
   explore::require_small(task.corners.size());
   if (given) warn(task, arguments.file, context);

@@ -58,7 +58,7 @@ Figure figure_of(const MotionLog& log, const Identification& found, double perio
 /// Smoothing is considered; every other response is refused where it stands.
 Task task_of(const std::string& path) {
   TaskOptions choices{.require_corners = false, .axes = static_cast<int>(program_axis_count)};
-  choices.response = Considered::any;
+  choices.response = Considered::all;
   Task task = read_task(path, choices);
   Machine others = task.machine;
   others.prefilter_taps.clear();

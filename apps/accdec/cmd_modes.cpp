@@ -88,7 +88,7 @@ std::vector<ModeCost> costs_of(const Task& task, const std::vector<FoundMode>& m
 void run(const ModesArguments& arguments, Context& context) {
   const std::string type = arguments.figure.empty() ? "" : figure_format(arguments.figure);
   std::optional<Task> task;
-  if (!arguments.task.empty()) task = read_task(arguments.task, {.response = Considered::any});
+  if (!arguments.task.empty()) task = read_task(arguments.task, {.response = Considered::all});
   require_outputs({arguments.out, arguments.figure}, {arguments.log, arguments.task});
   const VibrationLog log = read_vibration_log(arguments.log);
   FindModesOptions options;

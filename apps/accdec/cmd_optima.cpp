@@ -32,10 +32,10 @@ struct OptimaArguments {
 void run(const OptimaArguments& arguments, Context& context) {
   // Everything is read before anything is computed: a bad tenth file must not cost the time of the first nine.
   std::vector<Task> tasks;
-  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path, {.response = Considered::any}));
+  for (const std::string& path : arguments.tasks) tasks.push_back(read_task(path, {.response = Considered::all}));
   Task finer;
   if (!arguments.growth.empty()) {
-    finer = read_task(arguments.growth, {.response = Considered::any});
+    finer = read_task(arguments.growth, {.response = Considered::all});
     if (finer.corners.size() != 1)
       throw std::invalid_argument(arguments.growth + ": --growth takes a task with one corner");
   }

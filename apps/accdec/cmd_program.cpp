@@ -218,7 +218,7 @@ void run(ProgramArguments& options, Context& context) {
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
   const Task task = read_task(
       options.task,
-      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
+      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
   warn(task, options.task, context);
   require_delays(options, task);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},

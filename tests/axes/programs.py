@@ -24,9 +24,6 @@ def task_of(rng):
         slower = max(1.0, axis["servo_gain_1_s"] * rng.uniform(0.6, 1.0))
         task["axis"] = [{"name": "x", **axis}, {"name": "y", **axis, "servo_gain_1_s": slower}]
     for axis in task["axis"]:
-        if "response_taps" in axis:  # programs have averaging responses only
-            taps = [max(tap, 0.0) for tap in axis["response_taps"]]
-            axis["response_taps"] = [tap / math.fsum(taps) for tap in taps]
         if "mass_kg" in axis and rng.random() < 0.3:
             axis["force_rms_N"] = axis["force_max_N"] * rng.uniform(0.5, 1.0)
     period, at, heading = task["sample_period_ms"], np.zeros(2), rng.uniform(0.0, 2.0 * math.pi)

@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -59,6 +63,33 @@ TEST(CliEvaluate, RecordsTheErrorOfACircle) {
     EXPECT_EQ(check.code, 1) << name;
     EXPECT_THAT(check.out, HasSubstr("circle."));
   }
+}
+
+// A servo of taps r_0 = 1 - c, c (1 - a) a^(k - 1) has H = 1 - c + c (1 - a) z/(1 - a z), z = exp(-j w T).
+TEST(CliEvaluate, CirclesAreThoseOfTheServos) {
+  const TemporaryFolder folder;
+  const double period = 1e-3, radius = 0.02, angle = 0.1 * period / radius;
+  const auto response = [&](double gain) {
+    const double a = std::exp(-gain * period), c = (1.0 - a) / (gain * period);
+    const std::complex<double> z = std::polar(1.0, -angle);
+    return 1.0 - c + c * (1.0 - a) * z / (1.0 - a * z);
+  };
+  const auto measured = [&](double x, double y) {
+    const std::string axes =
+        fmt::format("[[axis]]\nname = \"x\"\nservo_gain_1_s = {}\n[[axis]]\nname = \"y\"\nservo_gain_1_s = {}\n", x, y);
+    const std::string task =
+        folder.write("t.toml", "sample_period_ms = 1\n" + axes +
+                                   "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\ndelay_samples = 0\n[filter]\n"
+                                   "kind = \"boxcar\"\norder = 0\n");
+    const Outcome outcome =
+        run({"evaluate", task, "--circle-radius-mm", "20", "--circle-feed-mm-min", "6000", "--json", "-"});
+    EXPECT_EQ(run({"verify", folder.write("r.json", outcome.out)}).code, 0);
+    return Json::parse(outcome.out)["circle"]["radius_error_m"].get<double>();
+  };
+  EXPECT_NEAR(measured(200, 200), radius * (1.0 - std::abs(response(200))), 1e-9);
+  const auto x = response(200), y = response(140);
+  const double mean = 0.5 * (std::norm(x) + std::norm(y)), half = 0.5 * std::abs(x * x - y * y);
+  EXPECT_NEAR(measured(200, 140), radius * std::max(1.0 - std::sqrt(mean - half), std::sqrt(mean + half) - 1.0), 1e-9);
 }
 
 TEST(CliEvaluate, GivesFigure12) {

@@ -22,10 +22,10 @@ constexpr const char* machine = "[[axis]]\nacceleration_max_mm_s2 = 6000\n";
 constexpr const char* corner = "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n";
 constexpr const char* given = "delay_samples = 20\n[filter]\nkind = \"boxcar\"\norder = 20\n";
 constexpr const char* servo = "servo_gain_1_s = 200\n";
-/// No refusal advises what refuses it again: designs consider it for all but whole coefficients.
+/// No refusal advises what refuses it again.
 constexpr const char* advice =
-    "leave it out. `accdec evaluate` and `accdec verify` consider it at the corners of a task, "
-    "`accdec design` and `accdec explain` do unless there are `coefficient_bits`";
+    "leave it out. `accdec evaluate`, `accdec design`, `accdec explain` and `accdec verify` consider it at the corners "
+    "of a task";
 constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.25]\n";
 
 /// Commands that read a task, with the arguments after it that let them come as far as the task.
@@ -187,19 +187,26 @@ TEST_F(ResponseOfTasks, StudiesAndOptimaConsiderIt) {
   EXPECT_EQ(optima.code, 0) << optima.err;
 }
 
-TEST_F(ResponseOfTasks, WhatDesignsDoNotCoverIsRefused) {
-  const std::string end = "[design]\ncoefficient_bits = 16\n";
-  for (const auto& [text, named] :
-       {std::pair(task(servo, end, "servo.toml"), "does not consider the servo of an axis"),
-        std::pair(task("", end + smoothing, "smooth.toml"), "does not consider the control's prefilter_taps"),
-        std::pair(task("coulomb_N = 40\n", end, "dry.toml"), "does not consider `coulomb_N`")}) {
-    for (const char* command : {"design", "explain"}) {
-      SCOPED_TRACE(std::string(command) + " with " + text);
-      const Outcome outcome = run({command, text});
-      EXPECT_EQ(outcome.code, 2);
-      EXPECT_THAT(outcome.err, HasSubstr(named));
-      EXPECT_THAT(outcome.err, HasSubstr(advice));
+/// Whole coefficients hold all limits behind a response, and lose little of the free taps.
+TEST_F(ResponseOfTasks, WholeCoefficientsConsiderIt) {
+  const std::string end = "[design]\ncoefficient_bits = 16\n", drive = "mass_kg = 50\nforce_max_N = 400\n";
+  const std::string mode = "[[mode]]\nfrequency_Hz = 40\naxis = \"x\"\nresidual_max_um = 5\n";
+  for (const std::string& text :
+       {task(servo, end), task(servo, end + smoothing), task(drive + "coulomb_N = 40\n", end), task(drive, end + mode),
+        task(drive + "force_speed_N = [[0, 400], [200, 350]]\n", end),
+        task(drive, end + "[machine]\npower_total_max_W = 60\n"), task("response_taps = [0.5, 0.8, -0.3]\n", end)}) {
+    SCOPED_TRACE(folder_.read("task.toml"));
+    const std::string result = folder_.path("r.json");
+    ASSERT_EQ(run({"design", text, "--json", result, "--time-limit", "6", "--no-baselines"}).code, 0);
+    const Json json = Json::parse(folder_.read("r.json"));
+    double sum = 0.0;
+    for (const double tap : json["filter"]["taps"]) {
+      EXPECT_EQ(tap * 65536.0, std::round(tap * 65536.0));
+      sum += tap;
     }
+    EXPECT_EQ(sum, 1.0);
+    EXPECT_LE(json["cycle_time_s"], json["quantisation"]["unquantised_s"].get<double>() + 2e-3);
+    EXPECT_EQ(run({"verify", result}).code, 0);
   }
   const Outcome nlp = run({"design", task(servo, ""), "--solver", "ipopt", "--no-baselines"});
   EXPECT_EQ(nlp.code, 0) << nlp.err;

@@ -23,7 +23,7 @@ using ::testing::IsEmpty;
 /// The corner of corner/acceleration-jerk.toml.
 Task everyday_corner(const std::string& more) {
   TaskOptions choices;
-  choices.response = Considered::any;
+  choices.response = Considered::all;
   return parse_task(
       "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n"
       "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n" +

@@ -57,6 +57,7 @@ struct Behind {
   /// a = exp(-Kv T) in every sample.
   static std::vector<double> servo(const Task& task) {
     const Axis& axis = task.machine.axes.front();
+    if (!axis.response_taps.empty()) return axis.response_taps;
     if (!(axis.servo_gain < unlimited)) return {1.0};
     const double x = axis.servo_gain * task.sample_period, a = std::exp(-x);
     double missing = (1.0 - axis.velocity_feedforward) * (1.0 - a) / x;
@@ -133,6 +134,7 @@ inline bool holds(const Task& task, const TaskCorner& corner, const Behind& filt
 inline bool rings(const Task& task, const std::vector<double>& taps) {
   const std::vector<double> command = convolve(taps, Behind::smoothing(task));
   for (const Mode& mode : task.machine.modes) {
+    if (mode.axis >= 0) continue;
     const double w = 2.0 * std::numbers::pi * mode.frequency_low * task.sample_period, z = mode.damping_low;
     double cosines = 0.0, sines = 0.0;
     for (std::size_t i = 0; i < command.size(); ++i) {
@@ -145,6 +147,35 @@ inline bool rings(const Task& task, const std::vector<double>& taps) {
   return false;
 }
 
+/// Whether an axis swings farther than its mode allows behind a start, the corner or a stop. Every change of the
+/// velocity swings by itself, dies away and is added up at the last of them.
+inline bool swings(const Task& task, const TaskCorner& corner, const std::vector<double>& taps, int delay) {
+  const std::vector<double> command = convolve(taps, Behind::smoothing(task));
+  const Corner& g = corner.geometry();
+  for (const Mode& mode : task.machine.modes) {
+    if (mode.axis < 0) continue;
+    const double in = g.feed_in * g.direction_in[mode.axis], out = g.feed_out * g.direction_out[mode.axis];
+    const double w = 2.0 * std::numbers::pi * mode.frequency_low, z = mode.damping_low, wd = w * std::sqrt(1.0 - z * z);
+    for (int event = 0; event < 3; ++event) {
+      std::vector<double> changes(command.size() + static_cast<std::size_t>(delay), 0.0);
+      for (std::size_t i = 0; i < command.size(); ++i) {
+        if (event == 0) changes[i] += in * command[i];
+        if (event == 1) changes[i] -= in * command[i], changes[i + static_cast<std::size_t>(delay)] += out * command[i];
+        if (event == 2) changes[i] -= out * command[i];
+      }
+      while (!changes.empty() && std::abs(changes.back()) < 1e-12) changes.pop_back();
+      double cosines = 0.0, sines = 0.0;
+      for (std::size_t i = 0; i < changes.size(); ++i) {
+        const double t = static_cast<double>(changes.size() - 1 - i) * task.sample_period;
+        cosines += changes[i] * std::exp(-z * w * t) * std::cos(wd * t);
+        sines += changes[i] * std::exp(-z * w * t) * std::sin(wd * t);
+      }
+      if (std::hypot(cosines, sines) / wd > mode.displacement_max * (1.0 + 1e-9)) return true;
+    }
+  }
+  return false;
+}
+
 /// The cheapest delays of a filter, samples of the objective.
 inline double cheapest(const Task& task, const std::vector<double>& taps) {
   if (rings(task, taps)) return none;
@@ -153,11 +184,14 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
   const auto has = [&](DelayKind kind) { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
   const bool any = kinds.empty() || has(DelayKind::dwell);
   const Behind filter(task, taps);
-  const int last = filter.motion.order() + 2;
+  int last = filter.motion.order() + 2;
+  for (const Mode& mode : task.machine.modes)  // the phase between the legs
+    last += mode.axis < 0 ? 0 : static_cast<int>(1.0 / (mode.frequency_low * task.sample_period));
   std::vector<std::vector<bool>> good;
   for (const TaskCorner& corner : task.corners) {
     good.emplace_back();
-    for (int d = 0; d <= last; ++d) good.back().push_back(holds(task, corner, filter, d));
+    for (int d = 0; d <= last; ++d)
+      good.back().push_back(holds(task, corner, filter, d) && !swings(task, corner, taps, d));
   }
   const double step = task.settings->corner_feed_step;
   std::vector<std::vector<bool>> by_part;
@@ -167,11 +201,17 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
       by_part.back().push_back(holds(task, corner, filter, 0, m * step));
   }
   const Sums& watched = task.settings->in_position_actual ? filter.motion : filter.command;
+  // The control waits for the first sample within the width.
+  const auto left = [&](int samples) {
+    double least = none;
+    for (int i = 0; i <= samples; ++i) least = std::min(least, std::abs(watched.p(i)));
+    return least;
+  };
   const int latency = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
   std::vector<double> widths{none};
   if (has(DelayKind::in_position)) {
     for (const TaskCorner& corner : task.corners) {
-      for (int d = 0; d <= watched.order(); ++d) widths.push_back(corner.geometry().feed_in * watched.p(d));
+      for (int d = 0; d <= watched.order(); ++d) widths.push_back(corner.geometry().feed_in * left(d));
     }
     std::sort(widths.begin(), widths.end());
     const std::vector<double> ends = widths;
@@ -186,8 +226,8 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
       double least = none;
       for (int d = 0; d <= last; ++d) {
         const double feed = task.corners[j].geometry().feed_in;
-        const bool by_width = has(DelayKind::in_position) && d >= latency && feed * watched.p(d - latency) <= width &&
-                              (d == latency || feed * watched.p(d - latency - 1) > width);
+        const bool by_width = has(DelayKind::in_position) && d >= latency && feed * left(d - latency) <= width &&
+                              (d == latency || feed * left(d - latency - 1) > width);
         const bool kind =
             any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 2 && has(DelayKind::exact_stop));
         if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);

@@ -149,7 +149,7 @@ TEST(Controllers, AFileThatMeasuresNeedsAServo) {
   folder.write("mine.toml", text);
   const auto read = [&](const std::string& more) {
     const std::string path = folder.write("task.toml", task_text("file = \"mine.toml\"\n" + more));
-    return read_task(path, {.response = Considered::any});
+    return read_task(path, {.response = Considered::all});
   };
   EXPECT_TRUE(read("[[axis]]\nservo_gain_1_s = 100").settings->in_position_actual);
   EXPECT_FALSE(read("in_position_of = \"command\"").settings->in_position_actual);

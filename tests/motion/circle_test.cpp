@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +46,28 @@ TEST(CircleError, AgreesWithAWholeTurnSimulated) {
       EXPECT_NEAR(e.simulated, e.radius_error, 1e-9 * radius);
     }
   }
+}
+
+// One axis d samples behind the other makes an ellipse whose radii have the squares R^2 (1 +- sin(x d)).
+TEST(CircleError, OfAxesThatDifferIsAnEllipses) {
+  const double radius = 0.02, feed = 0.2, period = 1e-3, x = feed * period / radius;
+  for (const int d : {1, 3, 10}) {
+    std::vector<double> late(static_cast<std::size_t>(d) + 1, 0.0);
+    late.back() = 1.0;
+    const Filter first({1.0}), second(late);
+    const double s = std::sin(x * d);
+    const double expected = radius * std::max(1.0 - std::sqrt(1.0 - s), std::sqrt(1.0 + s) - 1.0);
+    for (const auto& [a, b] : {std::pair(&first, &second), std::pair(&second, &first)}) {
+      const CircleError e = circle_error(*a, *b, radius, feed, period);
+      EXPECT_NEAR(e.radius_error, expected, 1e-12);
+      EXPECT_NEAR(e.simulated, expected, 2.0 * x * x * expected);
+      EXPECT_NEAR(e.small_angle, 0.5 * feed * period * d, 1e-12);
+    }
+  }
+  const Filter swings = Filter::of_any_sign({1.2, -0.2});  // |H|^2 = 1 + 0.48 (1 - cos x)
+  const double wider = radius * (std::sqrt(1.0 + 0.48 * (1.0 - std::cos(x))) - 1.0);
+  EXPECT_NEAR(circle_error(swings, radius, feed, period).radius_error, wider, 1e-12);
+  EXPECT_THROW(circle_error(boxcar(19), boxcar(20), 1e6, 0.1, 1e-3), std::invalid_argument);
 }
 
 TEST(CircleError, OfManySamplesIsFoundFromThoseThatDiffer) {

@@ -61,7 +61,8 @@ struct Caps {
 Caps caps_of(const Toolpath& path, const Filter& filter, const Machine& machine, double tolerance) {
   const FeedPath feeds = feed_path(path);
   const FeedWindow window(filter, program_machine(machine, path), period, path.dimensions());
-  const ArcCaps arcs(path, feeds, filter, window, period);
+  const FilterBehind behind(filter, machine, period);
+  const ArcCaps arcs(path, feeds, behind, window, period);
   Caps caps;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     const auto v = arcs.speed(b, tolerance);

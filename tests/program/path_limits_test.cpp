@@ -283,10 +283,6 @@ TEST_F(PathCommand, PlansThatDoNotConsiderTheKeysRefuseThem) {
   refused("free", "residual_max_um");
   task(axis("x", "servo_gain_1_s = 250\n") + axis("y", "servo_gain_1_s = 180\n"), "");
   refused("profiles", "servo_gain_1_s");
-  task(axis("x", "response_taps = [1.2, -0.2]\n") + axis("y", ""), "");
-  EXPECT_NE(run("program part.ngc --task path.toml").code, 0);
-  EXPECT_THAT(read("err"), HasSubstr("path.toml:11:17: "));
-  EXPECT_THAT(read("err"), HasSubstr("negative tap"));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -68,6 +69,35 @@ std::vector<std::vector<double>> looped(const std::vector<std::vector<double>>& 
   return motion;
 }
 
+/// A loop that overshoots: the velocity follows Kv (s - x) with a lag of 1/Kv.
+std::vector<double> overshooting(const std::vector<double>& command, double gain, double period) {
+  constexpr int steps = 100;
+  const double h = period / steps;
+  double x = command.front(), v = 0.0;
+  std::vector<double> motion{x};
+  for (std::size_t k = 1; k < command.size(); ++k) {
+    for (int i = 0; i < steps; ++i) {
+      const double half = command[k - 1] + (i + 0.5) / steps * (command[k] - command[k - 1]);
+      const double middle = x + 0.5 * h * v, v_middle = v + 0.5 * h * gain * (gain * (half - 0.5 * h * v - x) - v);
+      v += h * gain * (gain * (half - middle) - v_middle);
+      x += h * v_middle;
+    }
+    motion.push_back(x);
+  }
+  return motion;
+}
+
+/// Its response to a velocity of one sample: the first `count` taps, the rest on the last one.
+std::vector<double> measured(double gain, double period, int count) {
+  std::vector<double> command(static_cast<std::size_t>(count) + 1, period);
+  command.front() = 0.0;
+  const std::vector<double> motion = overshooting(command, gain, period);
+  std::vector<double> taps;
+  for (std::size_t k = 1; k < motion.size(); ++k) taps.push_back((motion[k] - motion[k - 1]) / period);
+  taps.back() += 1.0 - motion.back() / period;
+  return taps;
+}
+
 std::vector<std::vector<double>> samples_of(const Plan& plan, double period, bool servo) {
   std::vector<std::vector<double>> rows;
   Motion motion(plan, period, servo);
@@ -123,6 +153,41 @@ TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
       }
       EXPECT_EQ(result.servo->within, 50e-6);
       EXPECT_NEAR(result.servo->settling, static_cast<double>(settled + 1 - command.size()) * 1e-3, 1.001e-3);
+    }
+  }
+}
+
+TEST(ProgramServo, OvershootsAreThoseOfTheLoop) {
+  const Filter filter = trapezoid(40, 10);
+  Task task = servo_task(unlimited, 0.0);
+  const std::vector<double> gains{150.0, 220.0};
+  for (std::size_t a = 0; a < 2; ++a) {
+    task.machine.axes[a].response_taps = measured(gains[a], task.sample_period, 200);
+    ASSERT_LT(*std::ranges::min_element(task.machine.axes[a].response_taps), -0.001);
+  }
+  for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
+    const ProgramResult result =
+        run_program("part", test::path_of(servo_part, task.machine), filter, task, false, feeds);
+    ASSERT_TRUE(result.verification.feasible) << result.message;
+    auto rows = samples_of(result.plan, task.sample_period, false);
+    rows.insert(rows.end(), 300, rows.back());
+    for (std::size_t a = 0; a < 2; ++a) {
+      std::vector<double> column;
+      for (const auto& row : rows) column.push_back(row[a]);
+      const std::vector<double> moved = overshooting(column, gains[a], task.sample_period);
+      for (std::size_t k = 0; k < rows.size(); ++k) rows[k][a] = moved[k];
+    }
+    const Toolpath& path = result.plan.path;
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (path.joint[b] != Joint::corner && path.joint[b] != Joint::stop) continue;
+      const double error = nearest(rows, path.point(b + 1));
+      EXPECT_NEAR(result.errors[b], error, 1e-8) << "block " << b;
+      EXPECT_LE(error, path.tolerance[b] + 1e-8);
+    }
+    for (std::size_t a = 0; a < 2; ++a) {
+      const double force = largest_force(rows, a, task);
+      EXPECT_NEAR(result.loads[a].peak, force, 2e-3 * force);
+      EXPECT_LE(force, task.machine.axes[a].force_max * (1.0 + 1e-6));
     }
   }
 }
@@ -207,10 +272,20 @@ TEST_F(ServoCommand, OtherPlansAndOtherServosAreRefused) {
   }
   EXPECT_EQ(run("program part.ngc --task servo.toml --filter-bound").code, 2);
   EXPECT_THAT(read("err"), HasSubstr("--filter-bound is for motions without a servo"));
-  task("response_taps = [1.2, -0.2]\n");
-  EXPECT_EQ(run("program part.ngc --task servo.toml").code, 2);
-  EXPECT_THAT(read("err"), HasSubstr("servo.toml:8:"));
-  EXPECT_THAT(read("err"), HasSubstr("`response_taps` has a negative tap"));
+}
+
+TEST_F(ServoCommand, OvershootsAreInEveryOutput) {
+  task("response_taps = [0.2, 0.5, 0.5, -0.1, -0.15, 0.05]\n");
+  ASSERT_EQ(run("program part.ngc --task servo.toml --json r.json --emit e.ngc --samples s.csv --time-limit 10").code,
+            0)
+      << read("err");
+  ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  ASSERT_EQ(run("program e.ngc --task servo.toml --dwells-before-filter --json again.json").code, 0) << read("err");
+  EXPECT_NEAR(number_of("again.json", "cycle_time_s"), number_of("r.json", "cycle_time_s"), 1.0001e-3);
+  auto forged = nlohmann::ordered_json::parse(read("r.json"));
+  forged["commands"]["error_m"][2] = 0.5 * forged["commands"]["error_m"][2].get<double>();
+  write("forged.json", forged.dump());
+  EXPECT_EQ(run("verify forged.json").code, 1);
 }
 
 }  // namespace

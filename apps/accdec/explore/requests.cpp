@@ -44,7 +44,7 @@ Answer problem(int status, std::string_view what) {
 
 Task task_of(const Question& question) {
   // Whoever may ask for designs must not have the program open files: a page sends the controller itself.
-  Task task = parse_task_json(question.body, "task", {.response = Considered::any, .controller_files = false});
+  Task task = parse_task_json(question.body, "task", {.response = Considered::all, .controller_files = false});
   require_small(task.corners.size());
   return task;
 }
@@ -227,7 +227,7 @@ std::string start_json(const Task& task, const std::string& name) {
   for (const cli::MachineFile& file : cli::machine_files())
     json["shipped"].push_back(
         {{"name", file.name},
-         {"task", task_to_json(parse_task(file.text, std::string(file.name), {.response = Considered::any}))}});
+         {"task", task_to_json(parse_task(file.text, std::string(file.name), {.response = Considered::all}))}});
   return dumped(json);
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 /// Tasks of whole programs have no corners, and a lone axis stands for all that a program may move.
 TaskOptions options_of(bool program, bool given) {
-  return {.require_corners = !program, .require_choices = given, .axes = program ? 9 : 2, .response = Considered::any};
+  return {.require_corners = !program, .require_choices = given, .axes = program ? 9 : 2, .response = Considered::all};
 }
 
 py::module_ fields_module() {

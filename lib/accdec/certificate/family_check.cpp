@@ -218,6 +218,8 @@ class Refutation {
 }  // namespace
 
 std::vector<proof::RefutedMembers> refute_members(const Task& task, double target, const std::function<bool()>& stop) {
+  if (std::ranges::any_of(task.machine.modes, [](const Mode& mode) { return mode.of_axis(); }))
+    throw Rejected("the vibration of an axis (residual_max_um) may hold at longer delays than were looked at");
   const Task granted = granted_limits(task);
   const CheckedResponse response(task);
   const LinearCost cost = cost_of(task);

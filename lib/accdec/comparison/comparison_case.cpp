@@ -13,6 +13,7 @@
 #include <accdec/corner.hpp>
 #include <accdec/files/words.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/response.hpp>
 
 namespace accdec::comparison {
@@ -22,8 +23,9 @@ Filter default_filter(int order) {
   return order < 2 ? boxcar(order) : trapezoid(order, order / 3);
 }
 
-std::vector<double> default_delays(const Task& task, const Filter& filter) {
-  const DelayFinder smallest(filter);
+/// @param motion  that of the filter behind the machine's response
+std::vector<double> default_delays(const Task& task, const Filter& motion) {
+  const DelayFinder smallest(motion);
   std::vector<double> delays;
   for (const TaskCorner& corner : task.corners) {
     const double period = task.sample_period;
@@ -79,9 +81,8 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   const Task& task = spec_.task;
   delays_given_ = !spec_.delays.empty();
   if (spec_.question == Question::design) return;
-  // Delays, samples and references of such problems are those of the command.
-  require_no_response(task.machine, "a nonlinear problem");
   const Filter filter = default_filter(spec_.order);
+  const FilterBehind behind(filter, task.machine, task.sample_period);
   FormulationOptions options;
   options.order = spec_.order;
   options.margin = 0.0;
@@ -91,14 +92,17 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
     options.blend_delays = spec_.delays;
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       samples_.push_back(
-          measure(Blend(filter, task.corners[j].geometry(), spec_.delays[j], task.sample_period)).corner_error_sample);
+          measure(behind, task.corners[j].geometry(), spec_.delays[j], task.sample_period).corner_error_sample);
     }
   } else if (!spec_.delays.empty()) {
     options.blend_delays = spec_.delays;
   } else {
-    for (const double d : default_delays(task, filter)) options.blend_delays.push_back(static_cast<int>(d));
+    for (const double d : default_delays(task, behind.motion())) options.blend_delays.push_back(static_cast<int>(d));
   }
   blend_delays_ = options.blend_delays;
+  options.mode_blends = true;
+  for (std::size_t j = 0; j < task.corners.size(); ++j)
+    options.contour_times.push_back(contour_time(behind.motion(), task.corners[j].geometry(), blend_delays_[j]));
   for (const bool reduced : {false, true}) {
     options.reduced = reduced;
     auto& slot = reduced ? reduced_ : sparse_;
@@ -135,10 +139,12 @@ Filter ComparisonCase::start_filter(int index, std::uint64_t seed) const {
 std::vector<double> ComparisonCase::start(bool reduced, int index, std::uint64_t seed) const {
   std::mt19937_64 rng = generator(index, seed);
   const Filter filter = start_filter(index, rng);
-  std::vector<double> delays = default_delays(spec_.task, default_filter(spec_.order));
+  const Filter first = default_filter(spec_.order);
+  const FilterBehind behind(first, spec_.task.machine, spec_.task.sample_period);
+  std::vector<double> delays = default_delays(spec_.task, behind.motion());
   for (std::size_t j = 0; index > 0 && j < delays.size(); ++j) {
     const double factor = uniform(rng, 0.5, 1.5);
-    if (!spec_.task.corners[j].delay) delays[j] = std::min(delays[j] * factor, spec_.order + 1.0);
+    if (!spec_.task.corners[j].delay) delays[j] = std::min(delays[j] * factor, behind.longest_order() + 1.0);
   }
   const nlp::Problem* p = problem(reduced);
   if (const auto* margin = dynamic_cast<const MarginProblem*>(p)) return margin->start_from(filter);

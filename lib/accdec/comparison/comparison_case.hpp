@@ -109,7 +109,9 @@ std::string_view to_string(Reference::Proof proof);
 /// several corners, the bound is the sum of what each corner needs alone; a filter that is best for all corners reaches
 /// it.
 ///
-/// For `design` it is `design_exact` at this order. In comparison_reference.cpp.
+/// For `design` it is `design_exact` at this order, if that knows all limits. For the others there is none behind a
+/// machine's response, nor with limits of contours, the supply and modes of axes. Without one, the bound is 0. In
+/// comparison_reference.cpp.
 /// @param time_limit  s
 Reference reference_of(const ComparisonCase& subject, double time_limit);
 

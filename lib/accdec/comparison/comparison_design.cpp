@@ -9,6 +9,7 @@
 #include <accdec/comparison/run_rows.hpp>
 #include <accdec/comparison/suite_instances.hpp>
 #include <accdec/design.hpp>
+#include <accdec/design/anytime.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/files.hpp>
 #include <accdec/instances/instance.hpp>
@@ -36,6 +37,11 @@ Claim claim_of(const DesignResult& result) {
 void Comparison::exact_into(batch::Row& row, const ScheduledRun& entry, const Task& task) const {
   ExactOptions options;
   options.time_limit = time_limit(entry);
+  if (!exact_covers(task)) {
+    row["claim"] = to_string(Claim::refused);
+    row["message"] = "the exact method does not know all limits of this task";
+    return;
+  }
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
   options.progress = [&](const ExactProgress& p) {

@@ -11,10 +11,13 @@
 
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/comparison/reference_delay.hpp>
+#include <accdec/design/anytime.hpp>
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -253,7 +256,21 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   return reference;
 }
 
+/// Only the solvers tell how good an answer is.
+Reference no_reference() {
+  return {Reference::Proof::bound, 0.0, infinity,
+          "no reference: the exact method knows no response of the machine, contour or vibration of an axis here"};
+}
+
+/// Whether the linear programs of the two smooth problems, which are of the taps, know all limits.
+bool of_the_taps(const Task& task) {
+  return Response(task.machine, task.sample_period).ideal() && !limits_supply(task.machine) &&
+         std::ranges::none_of(task.machine.modes, &Mode::of_axis) &&
+         std::ranges::none_of(task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); });
+}
+
 Reference design_reference(const CaseSpec& spec, double time_limit) {
+  if (!exact_covers(spec.task)) return no_reference();
   ExactOptions options;
   options.time_limit = time_limit;
   options.certificate = false;
@@ -284,6 +301,7 @@ std::string_view to_string(Reference::Proof proof) {
 
 Reference reference_of(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
+  if (spec.question != Question::design && !of_the_taps(spec.task)) return no_reference();
   switch (spec.question) {
     case Question::margin: return margin_reference(subject, time_limit);
     case Question::delay: return delay_reference(subject, time_limit);

@@ -87,7 +87,7 @@ class SuiteReader {
     toml::table tree = toml_input::parse_task_beside(table, "task", *table.text("task"), path);
     if (const toml::table* set = table.raw()["set"].as_table()) toml_input::apply_settings(*set, path_, tree);
     try {
-      spec.task = task_from_tree(tree, path, "", {});
+      spec.task = task_from_tree(tree, path, "", {.response = Considered::loads});
     } catch (const InputError& error) {
       // The file alone may be valid: it must be valid together with the keys that the suite sets.
       if (table.has("set")) table.fail_at("set", fmt::format("the task with these keys set: {}", error.what()));
@@ -110,7 +110,7 @@ class SuiteReader {
       spec.expected = *comparison::expected_from_string(table.word("expected"));
       spec.time_limit = table.number("time_limit_s").value_or(0.0);
       try {
-        spec.task = task_from_tree(drawn.task, path, "", {});
+        spec.task = task_from_tree(drawn.task, path, "", {.response = Considered::loads});
       } catch (const InputError& error) {
         table.fail_at("ranges", fmt::format("problem \"{}\": {}", drawn.name, error.what()));
       }
@@ -134,6 +134,8 @@ class SuiteReader {
       spec.question = *comparison::question_from_string(name);
       check(table, spec, suite);
       for (const int factor : factors) {
+        if (factor > 1 && has_measured_taps(spec.task.machine))
+          table.fail_at("task", "prefilter_taps and response_taps hold for one sample period; allowed is size 1");
         if (static_cast<long>(spec.order + 1) * factor > most_taps)
           table.fail(
               fmt::format("order {} at size {} is too large; {} taps are allowed", spec.order, factor, most_taps));
@@ -148,6 +150,11 @@ class SuiteReader {
   static std::string expected_number(const comparison::CaseSpec& spec) {
     if (spec.expected == comparison::Expected::unknown) return "unknown";
     return spec.expected == comparison::Expected::infeasible ? "true" : "false";
+  }
+
+  static bool has_measured_taps(const Machine& machine) {
+    return !machine.prefilter_taps.empty() ||
+           std::ranges::any_of(machine.axes, [](const Axis& axis) { return !axis.response_taps.empty(); });
   }
 
   void read_delays(const Table& table, comparison::CaseSpec& spec) const {
@@ -167,10 +174,6 @@ class SuiteReader {
       if (other.name == spec.name && other.question == spec.question)
         table.fail_at("name", fmt::format("the name \"{}\" is taken already", spec.name));
     }
-    const bool contour = std::any_of(spec.task.corners.begin(), spec.task.corners.end(),
-                                     [](const TaskCorner& c) { return c.contour_max.has_value(); });
-    if (contour)
-      table.fail_at("task", "a comparison problem knows no contour_max_um: it would be left out of what solvers get");
     const bool bounded = std::any_of(spec.task.corners.begin(), spec.task.corners.end(),
                                      [](const TaskCorner& c) { return c.error_max && *c.error_max > 0.0; });
     if (!bounded) table.fail_at("task", "a comparison problem needs a corner with error_max_um > 0");

@@ -10,6 +10,7 @@
 
 #include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/suite_instances.hpp>
+#include <accdec/design/anytime.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
@@ -124,7 +125,9 @@ class Writer {
       task.design.order_min = task.design.order_max = subject.spec().order;
       ExactOptions exact;
       exact.time_limit = limit;
-      const DesignResult result = design_exact(task, exact);
+      DesignResult result;
+      result.task = task;
+      if (exact_covers(task)) result = design_exact(task, exact);
       const double period = task.sample_period;
       reference = {Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, nlp::infinity, "exact bound"};
       if (result.status == Status::optimal)

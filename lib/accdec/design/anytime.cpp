@@ -39,21 +39,6 @@ Task easier_part(Task task) {
   return task;
 }
 
-/// Whether the exact method knows all limits of the task. It has no rows of a shared supply, nor of power with dry
-/// friction. Behind a servo, loads and smallest speeds are not those of
-/// the taps themselves. Behind the control's smoothing, acceleration, jerk and vibration are not either.
-bool exact_covers(const Task& task) {
-  const auto chord_with_friction = [](const Axis& axis) {
-    return axis.coulomb > 0.0 && (axis.power_max < unlimited || axis.regeneration_max < unlimited);
-  };
-  if (limits_supply(task.machine) || std::ranges::any_of(task.machine.axes, chord_with_friction)) return false;
-  const Response response(task.machine, task.sample_period);
-  if (response.ideal()) return true;
-  const auto& axes = task.machine.axes;
-  return response.prefilter_order() == 0 && is_convex(task) &&
-         std::all_of(axes.begin(), axes.end(), [](const Axis& a) { return a.force_max == unlimited; });
-}
-
 /// The task without the limits that the exact method does not know.
 Task covered_part(const Task& task) {
   Task part = *limits_on_taps(task);
@@ -357,6 +342,18 @@ DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
 }
 
 }  // namespace
+
+bool exact_covers(const Task& task) {
+  const auto chord_with_friction = [](const Axis& axis) {
+    return axis.coulomb > 0.0 && (axis.power_max < unlimited || axis.regeneration_max < unlimited);
+  };
+  if (limits_supply(task.machine) || std::ranges::any_of(task.machine.axes, chord_with_friction)) return false;
+  const Response response(task.machine, task.sample_period);
+  if (response.ideal()) return true;
+  return response.common() && response.prefilter_order() == 0 && is_convex(task) &&
+         std::ranges::all_of(task.machine.axes,
+                             [](const Axis& a) { return a.force_max == unlimited && a.force_speed_max == unlimited; });
+}
 
 void judge_gap(DesignResult& result) {
   result.gap.reset();

@@ -12,6 +12,11 @@ namespace accdec {
 /// used, and nothing is proved.
 DesignResult design_anytime(const Task& task, const DesignOptions& options);
 
+/// Whether the exact method knows all limits of the task. It has no rows of a shared supply, nor of power with dry
+/// friction. Behind a servo, loads and smallest speeds are not those of the taps themselves, and axes have one servo.
+/// Behind the control's smoothing, acceleration, jerk and vibration are not those of the taps either.
+bool exact_covers(const Task& task);
+
 /// The options that the exact method takes from these, whoever calls it.
 /// @param time_limit  s, of this call
 ExactOptions exact_options(const DesignOptions& options, double time_limit);

@@ -25,16 +25,15 @@ namespace {
 /// Whether one corner holds its axis limits, its error and its smallest speed at a delay, as the simulation sees it.
 class CornerCheck {
  public:
-  /// @param simulate  whether even what the formulas are sure of is simulated
-  /// @param limits  of the filter, null: what formulas do not know is simulated
-  CornerCheck(const Task& task, const TaskCorner& corner, const Filter& filter, const FilterBehind* behind,
-              const BlendLimits* limits, bool simulate)
+  /// @param simulate  whether even what the formulas are sure of is simulated  @param limits  of the filter
+  CornerCheck(const Task& task, const TaskCorner& corner, const Filter& filter, const FilterBehind& behind,
+              const BlendLimits& limits, bool simulate)
       : task_(task),
         corner_(corner),
         filter_(filter),
         behind_(behind),
         limits_(limits),
-        simulate_(simulate || limits == nullptr),
+        simulate_(simulate),
         legs_(corner.geometry()) {}
 
   bool holds(int delay) {
@@ -44,7 +43,7 @@ class CornerCheck {
   /// The limit that is broken at a delay that does not hold.
   std::string broken(int delay) const {
     // The formula of all uses at once is of a machine without a response.
-    if (!simulate_ && behind_->ideal()) {
+    if (!simulate_ && behind_.ideal()) {
       for (const LimitUse& use : uses(delay)) {
         if (verdict_by_formula(use.utilisation) == Verdict::broken) return describe(use);
       }
@@ -73,13 +72,13 @@ class CornerCheck {
   }
   bool axes_hold(int delay, double slack) {
     const double *in = legs_.in.data(), *out = legs_.out.data(), *rest = legs_.rest.data();
-    return limits_->holds(in, out, delay, slack, &hint_) && limits_->holds(rest, in, 0, slack) &&
-           limits_->holds(out, rest, 0, slack);
+    return limits_.holds(in, out, delay, slack, &hint_) && limits_.holds(rest, in, 0, slack) &&
+           limits_.holds(out, rest, 0, slack);
   }
   /// Its error and its smallest speed.
   std::vector<LimitUse> corner_uses(int delay) const {
     std::vector<LimitUse> uses;
-    const CornerMeasures measures = measure(*behind_, corner_.geometry(), delay, task_.sample_period);
+    const CornerMeasures measures = measure(behind_, corner_.geometry(), delay, task_.sample_period);
     const auto add = [&](LimitKind kind, double value, double bound, int sample) {
       uses.push_back({kind, "", corner_.name, Event::blend, value, bound, utilisation_of(kind, value, bound), sample});
     };
@@ -100,7 +99,7 @@ class CornerCheck {
     const auto a = static_cast<std::size_t>(mode.axis);
     const double in = legs_.in[a], out = legs_.out[a];
     const auto add = [&](Event event, double v1, double v2, int d) {
-      LimitUse use = residual_utilisation(limits_->command(), v1, v2, d, task_.sample_period, mode);
+      LimitUse use = residual_utilisation(limits_.command(), v1, v2, d, task_.sample_period, mode);
       use.axis = task_.machine.axes[a].name, use.corner = corner_.name, use.event = event;
       uses.push_back(std::move(use));
     };
@@ -122,8 +121,8 @@ class CornerCheck {
   const Task& task_;
   const TaskCorner& corner_;
   const Filter& filter_;
-  const FilterBehind* behind_;
-  const BlendLimits* limits_;
+  const FilterBehind& behind_;
+  const BlendLimits& limits_;
   bool simulate_;
   LegVelocities legs_;
   int hint_ = 0;
@@ -141,12 +140,10 @@ struct FoundDelays {
 FoundDelays find_delays(const Task& task, const Filter& filter, bool simulate, const std::function<bool()>& stopped,
                         const std::function<void(const std::string&)>& progress) {
   const Response response(task.machine, task.sample_period);
-  std::optional<FilterBehind> behind;
-  std::optional<BlendLimits> limits;
-  if (response.averages())
-    behind.emplace(filter, task.machine, task.sample_period), limits.emplace(filter, task.machine, task.sample_period);
+  const FilterBehind behind(filter, task.machine, task.sample_period);
+  const BlendLimits limits(filter, task.machine, task.sample_period);
   std::optional<DelayFinder> smallest;  // where the error falls with the delay
-  if (response.common()) smallest.emplace(behind->motion());
+  if (response.common()) smallest.emplace(behind.motion());
   const std::size_t told_every = 1 + task.corners.size() / 100;
   FoundDelays found;
   for (const TaskCorner& corner : task.corners) {
@@ -159,7 +156,7 @@ FoundDelays find_delays(const Task& task, const Filter& filter, bool simulate, c
     // From N + 1 on, the legs do not overlap, but the last step of one acceleration still meets the first of the other.
     // From N + 2 on nothing changes, except for the phase of modes of axes.
     const int last = corner.delay.value_or(std::max(delay, last_delay(task, filter.order() + response.order())));
-    CornerCheck check(task, corner, filter, behind ? &*behind : nullptr, limits ? &*limits : nullptr, simulate);
+    CornerCheck check(task, corner, filter, behind, limits, simulate);
     bool holds = false;
     while (++found.tried, !stopped() && !(holds = check.holds(delay)) && delay < last) ++delay;
     if (stopped()) {

@@ -74,18 +74,6 @@ DesignResult with_smallest_delays(DesignResult found, double seconds_left) {
   return result;
 }
 
-/// Refuses a response that no method considers, so that none is ignored silently.
-void require_designable(const Task& task) {
-  if (task.design.coefficient_bits > 0) require_no_shared_loads(task.machine, "a design of whole coefficients");
-  const Response response(task.machine, task.sample_period);
-  if (response.ideal()) return;
-  if (!response.averages() && task.settings && task.settings->names_family())
-    throw std::invalid_argument(
-        "settings need response_taps >= 0; `accdec evaluate` judges a given filter with any, and free taps are "
-        "designed for any");
-  if (task.design.coefficient_bits > 0) require_no_response(task.machine, "a design of whole coefficients");
-}
-
 }  // namespace
 
 DesignResult design_task(const Task& task, const DesignOptions& options) {
@@ -100,12 +88,11 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     result.certificate = certify_contradiction(task);
     return result;
   }
-  require_designable(task);
   if (task.settings && task.settings->names_family()) return design_settings(task, options);
   if (task.filter) return design_delays(task, options);
+  if (task.design.coefficient_bits > 0) return design_quantised(task, options);
   if (options.method == Method::exact && !Response(task.machine, task.sample_period).common())
     return design_differing(task, options);
-  if (task.design.coefficient_bits > 0) return design_quantised(task, options);
   const auto began = std::chrono::steady_clock::now();
   DesignResult found = options.method == Method::exact ? design_anytime(task, options) : local_or_proof(task, options);
   return with_smallest_delays(std::move(found), options.time_limit - seconds_since(began));

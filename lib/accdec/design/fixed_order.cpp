@@ -10,7 +10,6 @@
 #include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/objective.hpp>
-#include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
@@ -26,17 +25,6 @@ bool own(const solvers::Result& result, const std::vector<double>& start) {
   if (result.verification.verdict == solvers::Verdict::optimal) return true;
   const bool claimed = result.claim == solvers::Claim::solved || result.claim == solvers::Claim::acceptable;
   return held(result) && (claimed || result.x != start);
-}
-
-/// When the path is as far from leg 1 as from leg 2, see FormulationOptions::contour_times.
-double contour_time(const Filter& filter, const Corner& corner, int delay) {
-  const auto ahead = [&](int k) {
-    return corner.feed_in * filter.remaining_moment(k) - corner.feed_out * filter.elapsed_moment(k - delay);
-  };
-  int k = 0;
-  while (k < filter.order() + delay && ahead(k + 1) > 0.0) ++k;
-  const double before = ahead(k), after = ahead(k + 1);
-  return before > after ? k + std::clamp(before / (before - after), 0.0, 1.0) : k;
 }
 
 /// The machine with the slowest servo for all axes, without negative taps.
@@ -237,14 +225,8 @@ std::vector<double> FixedOrderDesigner::contour_times(const Filter& filter, cons
 
 int FixedOrderDesigner::nearest_sample(const Filter& filter, std::size_t corner, int delay) const {
   const Corner& g = task_.corners[corner].geometry();
-  if (Response(task_.machine, task_.sample_period).averages())
-    return measure(FilterBehind(filter, task_.machine, task_.sample_period), g, delay, task_.sample_period)
-        .corner_error_sample;
-  const SampledResponse sampled = simulate_response(filter, g, delay, task_.sample_period, task_.machine);
-  const SampledMotion& m = sampled.motion();
-  Eigen::Index nearest = 0;
-  m.position.middleRows(m.corner, m.cruise_out - m.corner).rowwise().norm().minCoeff(&nearest);
-  return static_cast<int>(nearest);
+  return measure(FilterBehind(filter, task_.machine, task_.sample_period), g, delay, task_.sample_period)
+      .corner_error_sample;
 }
 
 std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::vector<int>& delays, const Filter& start,

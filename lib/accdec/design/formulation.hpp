@@ -51,6 +51,7 @@ class DelayProblem : public QuadraticProblem {
  public:
   DelayProblem(const Task& task, const FormulationOptions& options);
   int order() const { return order_; }
+  bool ideal() const { return ideal_; }  ///< no response of the machine behind the taps
   std::vector<double> start_from(const Filter& filter, std::span<const double> delays) const;
   /// d_j of a point, one per corner of the task.
   std::vector<double> delays(std::span<const double> x) const;

@@ -39,6 +39,10 @@ void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
 void add_common_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                      const FormulationOptions& options);
 
+/// When the path is as far from leg 1 as from leg 2, see FormulationOptions::contour_times.
+/// @param motion  the filter of the motion
+double contour_time(const Filter& motion, const Corner& corner, int delay);
+
 /// The fastest leg of an axis in any start or stop, m/s.
 double fastest_leg(const Task& task, int axis);
 

@@ -159,4 +159,14 @@ void RowBuilder::contour_of_axes(const TaskCorner& corner, int delay, double tim
   }
 }
 
+double contour_time(const Filter& motion, const Corner& corner, int delay) {
+  const auto ahead = [&](int k) {
+    return corner.feed_in * motion.remaining_moment(k) - corner.feed_out * motion.elapsed_moment(k - delay);
+  };
+  int k = 0;
+  while (k < motion.order() + delay && ahead(k + 1) > 0.0) ++k;
+  const double before = ahead(k), after = ahead(k + 1);
+  return before > after ? k + std::clamp(before / (before - after), 0.0, 1.0) : k;
+}
+
 }  // namespace accdec

@@ -22,6 +22,7 @@ Task tightened(Task task, double unit, double part, int order) {
   const auto lower = [&](double& bound, double effect) {
     if (bound < unlimited) bound = std::max(0.1 * bound, bound - part * effect);
   };
+  double supply = 0.0, fastest = 0.0;
   for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
     Axis& axis = task.machine.axes[a];
     double speed = 0.0;  // both legs together
@@ -39,9 +40,17 @@ Task tightened(Task task, double unit, double part, int order) {
     lower(axis.power_max, force * speed + most * velocity);
     lower(axis.regeneration_max, force * speed + most * velocity);
     lower(axis.force_max, force);
+    lower(axis.force_speed_max, force);
+    supply += force * speed + most * velocity;
+    fastest = std::max(fastest, speed);
   }
-  for (Mode& mode : task.machine.modes)
-    lower(mode.residual_max, 0.5 * unit * (order + 1) * std::min(2.0, 2.0 * M_PI * mode.frequency_high * period));
+  lower(task.machine.power_total_max, supply);
+  lower(task.machine.regeneration_total_max, supply);
+  for (Mode& mode : task.machine.modes) {
+    const double ratio = 0.5 * unit * (order + 1) * std::min(2.0, 2.0 * M_PI * mode.frequency_high * period);
+    lower(mode.residual_max, ratio);
+    lower(mode.displacement_max, ratio * fastest / (2.0 * M_PI * mode.frequency_low));
+  }
   for (TaskCorner& corner : task.corners) {
     const double speed = corner.geometry().feed_in + corner.geometry().feed_out;
     if (corner.error_max) lower(*corner.error_max, 0.25 * unit * order * speed * period);

@@ -4,12 +4,14 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/exact/exact_run.hpp>
+#include <accdec/exact/quick_bound.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/convexity.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 
 namespace accdec {
@@ -62,7 +64,23 @@ bool ExactRun::stopped() const {
   return until_.over() || cancelled();
 }
 
+/// A bound without linear programs comes first if these are long.
+void ExactRun::quick_bound() {
+  constexpr int many_taps = 300;
+  const TaskCorner& corner = task_.corners.front();
+  if (done_.quick || kind_.several || corner.delay || !corner.error_max || !(*corner.error_max > 0.0)) return;
+  done_.quick = true;
+  if (1.0 / bench_.model().rows.tap_max() < many_taps) return;
+  const double longest = cost_of(task_)(task_.design.order_max, {task_.design.order_max});
+  auto proof = exact::QuickBound(bench_).prove(bench_.designs.best ? bench_.designs.best->value : longest);
+  if (!proof) return;
+  targets_.proved(proof->target);
+  search_.proof = std::move(*proof);
+  tell();
+}
+
 void ExactRun::first_designs() {
+  quick_bound();
   least_ = first_.smallest_order();
   if (!kind_.convex || kind_.several) first_.offer_shapes(std::max(least_, 2));
   if (kind_.minimises) first_.dive();

@@ -24,6 +24,7 @@ class ExactRun {
  private:
   bool stopped() const;
   bool cancelled() const { return options_.cancel != nullptr && options_.cancel->load(); }
+  void quick_bound();
   void first_designs();
   void sweep_orders();
   void at_once();
@@ -48,7 +49,7 @@ class ExactRun {
   std::unique_ptr<exact::Joint> joint_;
   int least_ = -1;  ///< smallest order that may do; -1: not known yet
   struct {
-    bool swept = false, tried_at_once = false, proved = false, infeasible = false;
+    bool quick = false, swept = false, tried_at_once = false, proved = false, infeasible = false;
   } done_;
 };
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/circle_json.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec {
 namespace {
@@ -41,11 +42,18 @@ std::optional<CircleRecord> circle_of(std::string_view json) {
   return circle;
 }
 
+CircleError circle_error(const Filter& filter, const Task& task, double radius, double feed) {
+  const FilterBehind behind(filter, task.machine, task.sample_period);
+  if (!behind.differs()) return circle_error(behind.motion(), radius, feed, task.sample_period);
+  const std::size_t second = std::min<std::size_t>(1, task.machine.axes.size() - 1);
+  return circle_error(behind.motion(0), behind.motion(second), radius, feed, task.sample_period);
+}
+
 std::vector<std::string> check_circle(const CircleRecord& circle, const DesignResult& result) {
   if (!result.filter) return {"a circle is recorded without a filter"};
   std::vector<std::string> reasons;
   try {
-    const CircleError found = circle_error(*result.filter, circle.radius, circle.feed, result.task.sample_period);
+    const CircleError found = circle_error(*result.filter, result.task, circle.radius, circle.feed);
     for (const Member& member : members) {
       const double recorded = circle.error.*member.value, right = found.*member.value;
       // A simulated distance is precise only to the rounding of positions.

@@ -16,6 +16,9 @@ struct CircleRecord {
   CircleError error;
 };
 
+/// The effect of a designed filter behind the machine's response on a circle in the plane of the first two axes.
+/// @throws as the other circle_error
+CircleError circle_error(const Filter& filter, const Task& task, double radius, double feed);
 /// @param json  from result_to_json; the member is added at its end
 void add_circle(std::string& json, const CircleRecord& circle);
 /// @param json  of a result that parse_result accepts

@@ -101,21 +101,20 @@ Mode read_mode(const Table& table) {
   return mode;
 }
 
-void find_axis_of_mode(const Table& table, const std::vector<Axis>& axes, bool settings, Mode& mode) {
+void find_axis_of_mode(const Table& table, const Task& task, Mode& mode) {
   const std::optional<std::string> name = table.text("axis");
   if (!name) return;
   std::vector<std::string> names;
-  for (const Axis& axis : axes) names.push_back(axis.name);
+  for (const Axis& axis : task.machine.axes) names.push_back(axis.name);
   const auto found = std::find(names.begin(), names.end(), *name);
   if (found == names.end())
     table.fail_at("axis",
                   fmt::format("`axis` = \"{}\" is no axis of the task; allowed are {}", *name, fmt::join(names, ", ")));
   mode.axis = static_cast<int>(found - names.begin());
-  if (settings)
-    table.fail_at(
-        "residual_max_um",
-        "`residual_max_um` is not considered with a control's settings; leave out `family` and [controller], or "
-        "give a `residual_max`");
+  if (task.settings && task.settings->names(DelayKind::corner_feed))
+    table.fail_at("residual_max_um",
+                  "`residual_max_um` is not considered where corners are passed at a part of the feed, whose steps "
+                  "swing together; leave \"corner-feed\" out of `delays`, or give a `residual_max`");
 }
 
 }  // namespace accdec

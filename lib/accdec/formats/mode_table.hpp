@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <accdec/files/toml_table.hpp>
-#include <accdec/machine.hpp>
+#include <accdec/task.hpp>
 
 // Internal: the table [[mode]] of tasks.
 
@@ -15,8 +15,7 @@ std::vector<Key> mode_keys();
 std::string mode_conditions();
 /// @throws InputError at the key
 Mode read_mode(const toml_input::Table& table);
-/// Finds the axis that it names. @param settings  whether a control's settings are chosen
-/// @throws InputError at the key
-void find_axis_of_mode(const toml_input::Table& table, const std::vector<Axis>& axes, bool settings, Mode& mode);
+/// Finds the axis that it names. @param task  with its axes and settings  @throws InputError at the key
+void find_axis_of_mode(const toml_input::Table& table, const Task& task, Mode& mode);
 
 }  // namespace accdec

@@ -16,7 +16,7 @@ using toml_input::Table;
 
 /// @param least  what a caller has to consider for this key
 void require_considered(const Table& table, std::string_view key, Considered considered,
-                        Considered least = Considered::common) {
+                        Considered least = Considered::loads) {
   if (!table.has(key) || considered >= least) return;
   table.fail_at(key, fmt::format("`{}` is not considered here; {}", key, considered_by));
 }
@@ -28,14 +28,6 @@ void require_end(const Table& table, const Axis& axis, double period) {
                 fmt::format("`servo_gain_1_s` = {:g} settles in {:.0f} samples of {:g} ms; allowed are {}, with a "
                             "larger gain or a longer sample period",
                             axis.servo_gain, length, 1e3 * period, response_taps_max));
-}
-
-void require_averaging(const Table& table, const Axis& axis) {
-  if (std::any_of(axis.response_taps.begin(), axis.response_taps.end(), [](double tap) { return tap < 0.0; })) {
-    table.fail_at("response_taps",
-                  "`response_taps` has a negative tap; this command needs taps >= 0, `accdec design` and `accdec "
-                  "evaluate` take any");
-  }
 }
 
 /// Behind no servo, the measured position would be the commanded one: its width then holds on no machine.
@@ -107,12 +99,11 @@ void read_servo(const Table& table, Axis& axis) {
     table.fail_at("velocity_feedforward", "`velocity_feedforward` goes with `servo_gain_1_s`; give the gain as well");
 }
 
-void check_response(const Table& top, const Task& task, Considered considered, bool program) {
-  const Considered beside = program ? std::min(considered, Considered::smoothing) : considered;
+void check_response(const Table& top, const Task& task, Considered considered) {
   if (const auto controller = top.table("controller")) {
     require_considered(*controller, "prefilter_taps", considered, Considered::smoothing);
-    require_considered(*controller, "in_position_latency_ms", beside);
-    if (beside < Considered::common && task.settings && task.settings->in_position_latency > 0.0)
+    require_considered(*controller, "in_position_latency_ms", considered, Considered::all);
+    if (considered < Considered::all && task.settings && task.settings->in_position_latency > 0.0)
       controller->fail_at(controller->has("name") ? "name" : "file",
                           "its `in_position_latency_ms` is not considered here; add `in_position_latency_ms = 0`");
     require_measured(*controller, task);
@@ -129,7 +120,6 @@ void check_response(const Table& top, const Task& task, Considered considered, b
     require_considered(tables[i], force_speed_key, considered);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
-    if (considered == Considered::common) require_averaging(tables[i], axis);
   }
 }
 

@@ -20,8 +20,7 @@ void read_control(const toml_input::Table& table, Machine& machine);
 /// The servo of an [[axis]]. @throws InputError at keys that exclude each other
 void read_servo(const toml_input::Table& table, Axis& axis);
 /// @param top  of the task  @param task  as read from it
-/// @param program  the task is that of a program, which considers one servo, but neither friction nor a shared supply
 /// @throws InputError at a response that is not considered, or does not end
-void check_response(const toml_input::Table& top, const Task& task, Considered considered, bool program);
+void check_response(const toml_input::Table& top, const Task& task, Considered considered);
 
 }  // namespace accdec

@@ -244,7 +244,7 @@ DesignResult read_members(const Json& json, const std::string& name) {
   DesignResult result;
   // Tasks of results are written out: a file that one names was put there by somebody else.
   result.task = task_from_tree(to_toml_table(json["task"], "/task"), name, "/task",
-                               {.response = Considered::any, .controller_files = false});
+                               {.response = Considered::all, .controller_files = false});
   check_not_considered(json, result.task);
   result.status =
       named(json["status"], std::array{Status::optimal, Status::feasible, Status::infeasible, Status::failed});

@@ -162,7 +162,7 @@ Task with_setting(const Task& task, const std::string& key, double value) {
   const auto [file_key, number] = in_file_unit(key, value);
   toml::table tree = to_table(PlainJson::parse(task_to_json(task).dump()), key, 0);
   TaskKey(file_key).set(tree, number);
-  return task_from_tree(tree, key, "", {.require_corners = !task.corners.empty(), .response = Considered::any});
+  return task_from_tree(tree, key, "", {.require_corners = !task.corners.empty(), .response = Considered::all});
 }
 
 }  // namespace accdec

@@ -246,7 +246,7 @@ class TaskReader {
     find_axes_of_modes();
     faults_.raise();
     require_loads();
-    check_response(top_, task_, options_.response, !options_.require_corners && options_.response != Considered::any);
+    check_response(top_, task_, options_.response);
     if (options_.require_choices) require_choices(task_, top_, corners_);
     return std::move(task_);
   }
@@ -285,9 +285,7 @@ class TaskReader {
   void find_axes_of_modes() {
     const std::vector<Table> tables = top_.tables("mode");
     for (std::size_t i = 0; i < tables.size(); ++i)
-      faults_.attempt(tables[i].pointer(), [&] {
-        find_axis_of_mode(tables[i], task_.machine.axes, task_.settings.has_value(), task_.machine.modes[i]);
-      });
+      faults_.attempt(tables[i].pointer(), [&] { find_axis_of_mode(tables[i], task_, task_.machine.modes[i]); });
   }
 
   void check_coefficients(const Table& table) const {

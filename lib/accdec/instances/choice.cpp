@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include <accdec/exact/rows.hpp>
 #include <accdec/instances/instance.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec::instances {
 namespace {
@@ -179,6 +181,13 @@ class ChoiceBuilder {
 }  // namespace
 
 Choice choice_of(const Task& task, int order) {
+  const bool ideal = Response(task.machine, task.sample_period).ideal();
+  if (!ideal || std::ranges::any_of(task.machine.modes, &Mode::of_axis))
+    throw std::invalid_argument(
+        "a whole choice knows no servo, no prefilter_taps and no residual_max_um: its rows are of the taps and of one "
+        "delay each");
+  if (std::ranges::any_of(task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); }))
+    throw std::invalid_argument("a whole choice knows no contour_max_um: a row of it holds for one time only");
   return ChoiceBuilder(task, order).build();
 }
 

@@ -1,3 +1,5 @@
+#include <stdexcept>
+
 #include <accdec/instances/instance.hpp>
 
 namespace accdec::instances {
@@ -10,6 +12,10 @@ Instance instance_of(const QuadraticProblem& problem, std::span<const double> st
   for (int r = 0; r < problem.num_rows(); ++r)
     instance.rows.push_back({problem.row_name(r), problem.row_bound(r), problem.polynomial(r), {}});
   if (const auto* delay = dynamic_cast<const DelayProblem*>(&problem)) {
+    if (!delay->ideal())
+      throw std::invalid_argument(
+          "a delay problem behind a servo or the control's smoothing is not written: files have the nearest points of "
+          "the filter itself; `accdec compare` takes it");
     instance.order = delay->order();
     for (const Approach& a : delay->approaches())
       instance.rows[static_cast<std::size_t>(a.row)].approaches.push_back(a);

@@ -33,6 +33,7 @@ struct Instance {
 };
 
 /// A formulation as data. @param start  size num_variables
+/// @throws std::invalid_argument for a DelayProblem behind a response
 Instance instance_of(const QuadraticProblem& problem, std::span<const double> start);
 
 /// The whole choice at one order, as a problem with whole variables, its start, and the delay of every corner of the
@@ -50,7 +51,7 @@ struct Choice {
 /// P_j and Q_j are tied to the distances p(k_j) and Q(k_j - d_j) by big-M rows. Rows of a blend at delay d hold where
 /// d_j = d, also by big-M. Every M bounds its row over the taps' range. Corners without a tolerance, or with tolerance
 /// zero, have a fixed delay. Vibration is bounded at the grid of `initial_frequencies`, so that a band is relaxed.
-/// @throws std::invalid_argument for a servo
+/// @throws std::invalid_argument behind a response, for modes of axes and contours
 Choice choice_of(const Task& task, int order);
 
 /// An instance as the text of a file.

@@ -47,6 +47,14 @@ std::vector<double> convolved(std::span<const double> a, std::span<const double>
   return taps;
 }
 
+/// Without negative taps, of the same sum.
+std::vector<double> averaging(std::vector<double> taps) {
+  for (double& tap : taps) tap = std::max(0.0, tap);
+  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
+  for (double& tap : taps) tap /= sum;
+  return taps;
+}
+
 bool has_servo(const Axis& axis) {
   return axis.servo_gain != unlimited || !axis.response_taps.empty();
 }
@@ -91,17 +99,23 @@ Filter Response::motion(const Filter& designed) const {
 }
 
 Filter Response::motion(const Filter& designed, std::size_t axis) const {
-  return Filter(convolved(command(designed).taps(), servo(axis)));
+  return Filter::of_any_sign(convolved(command(designed).taps(), servo(axis)));
 }
 
 FilterBehind::FilterBehind(const Filter& designed, const Machine& machine, double period) : designed_(designed) {
   const Response response(machine, period);
   if (response.ideal()) return;
   command_ = response.command(designed);
-  const std::size_t count = servos_differ(machine) ? machine.axes.size() : 1;
-  for (std::size_t a = 0; a < count; ++a) motions_.push_back(response.motion(designed, a));
-  const auto slowest = std::ranges::max_element(motions_, {}, &Filter::mean_delay);
-  slowest_ = static_cast<std::size_t>(slowest - motions_.begin());
+  const bool differ = servos_differ(machine);
+  for (std::size_t a = 0; a < (differ ? machine.axes.size() : 1); ++a) {
+    motions_.push_back(response.motion(designed, a));
+    double sum = 0.0;
+    for (const double tap : response.servo(a)) sum += std::abs(tap);
+    gain_ = std::max(gain_, response.averages() ? 1.0 : sum);
+  }
+  if (!differ && response.averages()) return;
+  const auto slowest = std::ranges::max_element(motions_, {}, &Filter::mean_delay) - motions_.begin();
+  alike_ = Filter(convolved(command_->taps(), averaging(response.servo(static_cast<std::size_t>(slowest)))));
 }
 
 int FilterBehind::longest_order() const {
@@ -129,10 +143,7 @@ bool servos_differ(const Machine& machine) {
 }
 
 Axis averaging(Axis axis) {
-  if (axis.response_taps.empty()) return axis;
-  for (double& tap : axis.response_taps) tap = std::max(0.0, tap);
-  const double sum = std::accumulate(axis.response_taps.begin(), axis.response_taps.end(), 0.0);
-  for (double& tap : axis.response_taps) tap /= sum;
+  axis.response_taps = averaging(std::move(axis.response_taps));
   return axis;
 }
 

@@ -47,7 +47,7 @@ class Response {
   /// The same behind the servo: the filter of the motion, as the response is linear and the same for all axes.
   /// @throws std::logic_error unless `common`
   Filter motion(const Filter& designed) const;
-  /// The same of one axis. @throws std::invalid_argument on negative taps
+  /// The same of one axis; of either sign if the servo's taps are.
   Filter motion(const Filter& designed, std::size_t axis) const;
 
  private:
@@ -66,26 +66,28 @@ inline constexpr int response_taps_max = 50'000;
 double response_length(double servo_gain, double velocity_feedforward, double period);
 
 /// The designed filter behind a machine's response, as command and as motion. Without a response both are the filter
-/// itself, which is not copied. Axes of programs may have different servos, without negative taps.
+/// itself, which is not copied.
 class FilterBehind {
  public:
-  /// Keeps the reference to the filter. @throws std::invalid_argument on a servo with negative taps
+  /// Keeps the reference to the filter.
   FilterBehind(const Filter& designed, const Machine& machine, double period);
   FilterBehind(const FilterBehind&) = delete;
   FilterBehind& operator=(const FilterBehind&) = delete;
 
   bool ideal() const { return motions_.empty(); }
-  /// Whether axes have filters of their own.
-  bool differs() const { return motions_.size() > 1; }
+  /// Whether no one filter without negative taps moves all axes: closed forms of one filter do not hold.
+  bool differs() const { return alike_.has_value(); }
   /// The motion's filters where they are others: one for all axes, or one an axis. Empty if ideal.
   std::span<const Filter> servo() const { return motions_; }
   const Filter& command() const { return command_ ? *command_ : designed_; }
-  /// The motion's filter; where axes differ, that of the slowest: as if all axes had its servo.
-  const Filter& motion() const { return ideal() ? designed_ : motions_[slowest_]; }
+  /// The motion's filter. If it differs, that of the slowest axis without negative taps, for first guesses.
+  const Filter& motion() const { return ideal() ? designed_ : alike_ ? *alike_ : motions_.front(); }
   const Filter& motion(std::size_t axis) const {
     return ideal() ? designed_ : motions_[motions_.size() == 1 ? 0 : axis];
   }
   int longest_order() const;
+  /// How much larger velocities and accelerations of the motion may be than the command's: 1 without negative taps.
+  double gain() const { return gain_; }
   /// By how many samples the motion is longer than the designed filter's.
   int longer() const { return motion().order() - designed_.order(); }
   /// Order of the motion's filter as far as a planner has to see: without a servo's tail of less than 1e-4.
@@ -95,7 +97,8 @@ class FilterBehind {
   const Filter& designed_;
   std::optional<Filter> command_;
   std::vector<Filter> motions_;
-  std::size_t slowest_ = 0;
+  std::optional<Filter> alike_;
+  double gain_ = 1.0;
 };
 
 /// Whether some axis has a servo.

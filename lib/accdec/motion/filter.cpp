@@ -32,18 +32,27 @@ void normalise(std::vector<double>& taps, double largest) {
 
 }  // namespace
 
-Filter::Filter(std::vector<double> taps) : taps_(std::move(taps)) {
+Filter::Filter(std::vector<double> taps) : Filter(std::move(taps), false) {}
+
+Filter Filter::of_any_sign(std::vector<double> taps) {
+  return Filter(std::move(taps), true);
+}
+
+Filter::Filter(std::vector<double> taps, bool any_sign) : taps_(std::move(taps)) {
   if (taps_.empty()) throw std::invalid_argument("a filter needs at least one tap");
   double largest = 0.0;
+  bool negative = false;
   for (std::size_t i = 0; i < taps_.size(); ++i) {
     if (!std::isfinite(taps_[i])) throw std::invalid_argument(fmt::format("tap b_{} is not a finite number", i));
-    if (taps_[i] < 0.0) {
+    negative = negative || taps_[i] < 0.0;
+    if (taps_[i] < 0.0 && !any_sign) {
       throw std::invalid_argument(
           fmt::format("tap b_{} = {} is negative; taps must be >= 0 or the velocity command oscillates", i, taps_[i]));
     }
-    largest = std::max(largest, taps_[i]);
+    largest = std::max(largest, std::abs(taps_[i]));
   }
-  if (largest == 0.0) throw std::invalid_argument("all taps are zero; their sum must be positive");
+  if (largest == 0.0 || (negative && !(sum_of(taps_) > 0.0)))
+    throw std::invalid_argument("all taps are zero; their sum must be positive");
 
   normalise(taps_, largest);
 
@@ -56,12 +65,12 @@ Filter::Filter(std::vector<double> taps) : taps_(std::move(taps)) {
   cumulative_[0] = 0.0;
   for (std::size_t k = 1; k <= n; ++k) cumulative_[k] = cumulative_[k - 1] + taps_[k - 1];
   // Rounding can leave the running sum an ulp above 1; a velocity limit equal to the feed would be broken.
-  for (std::size_t k = 1; k <= n; ++k) cumulative_[k] = std::min(cumulative_[k], 1.0);
+  for (std::size_t k = 1; k <= n && !negative; ++k) cumulative_[k] = std::min(cumulative_[k], 1.0);
   cumulative_[n] = 1.0;
 
   remaining_[n] = 0.0;
   for (std::size_t k = n; k-- > 0;) remaining_[k] = remaining_[k + 1] + taps_[k];
-  for (double& r : remaining_) r = std::min(r, 1.0);
+  for (double& r : remaining_) r = negative ? r : std::min(r, 1.0);
 
   elapsed_moment_[0] = 0.0;
   for (std::size_t m = 1; m <= n; ++m) elapsed_moment_[m] = elapsed_moment_[m - 1] + cumulative_[m];

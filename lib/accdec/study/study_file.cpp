@@ -66,7 +66,7 @@ Task Study::task(std::size_t index) const {
   for (std::size_t v = 0; v < point.values.size(); ++v) {
     for (const TaskKey& key : tasks_->keys[v]) key.set(tree, point.values[v]);
   }
-  return task_from_tree(tree, source.path, "", {.response = Considered::any});
+  return task_from_tree(tree, source.path, "", {.response = Considered::all});
 }
 
 std::vector<std::string> Study::task_paths() const {

@@ -28,7 +28,7 @@ std::optional<InputError> fault_of(const std::function<void()>& make) {
 void refuse_file(const std::string& path, const InputError& error) {
   const auto same = [&](const InputError& one) { return one.message() == error.message(); };
   try {
-    task_from_tree(toml_input::parse_file(path), path, "", {.response = Considered::any});
+    task_from_tree(toml_input::parse_file(path), path, "", {.response = Considered::all});
   } catch (const InputErrors& errors) {
     if (std::any_of(errors.all().begin(), errors.all().end(), same)) throw;
   } catch (const InputError& one) {
@@ -47,7 +47,7 @@ void refuse_case(const Study::Tasks& tasks, const StudyPlaces& places, std::size
   // Read again, because copies of a tree have no line numbers.
   refuse_file(source.path, first);
   const auto with_settings =
-      fault_of([&] { task_from_tree(places.bases[c], source.path, "", {.response = Considered::any}); });
+      fault_of([&] { task_from_tree(places.bases[c], source.path, "", {.response = Considered::all}); });
   if (same(with_settings))
     throw InputError(places.path, places.settings[c].line, places.settings[c].column,
                      fmt::format("`set` of case \"{}\" makes no task: {}", places.names[c], first.message()));

@@ -42,9 +42,9 @@ class BlendCheck {
   }
 
   /// Whether a longer delay may hold where this one does not. If the legs do not turn back, the corner becomes only
-  /// slower.
+  /// slower; not so if axes differ or overshoot.
   bool longer_may_hold(int delay) const {
-    if (!(corner_.speed_min > 0.0)) return true;
+    if (!(corner_.speed_min > 0.0) || behind_.differs()) return true;
     double along = 0.0;
     for (std::size_t a = 0; a < legs_.in.size(); ++a) along += legs_.in[a] * legs_.out[a];
     const Corner& g = corner_.geometry();

@@ -13,7 +13,6 @@ BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sa
       machine_(machine),
       period_(sample_period),
       dry_(has_dry_friction(machine)) {
-  // A servo averages: no tap of the motion is larger.
   for (int i = 0; i <= filter_.order() + 1; ++i) {
     peak_tap_ = std::max(peak_tap_, filter_.tap(i));
     peak_step_ = std::max(peak_step_, std::abs(filter_.tap(i) - filter_.tap(i - 1)));
@@ -34,7 +33,12 @@ BlendLimits::BlendLimits(const Filter& filter, const Machine& machine, double sa
 }
 
 AxisState BlendLimits::peak_at(const Axis& axis, double speed) const {
-  AxisState peak = axis_state(axis, speed, speed * peak_tap_ / period_, speed * peak_step_ / (period_ * period_));
+  return peak_of(axis, speed, speed * peak_tap_ / period_, speed * peak_step_ / (period_ * period_));
+}
+
+AxisState BlendLimits::peak_of(const Axis& axis, double velocity, double acceleration, double jerk) const {
+  AxisState peak = axis_state(axis, velocity, acceleration, jerk);
+  if (behind_.gain() > 1.0) peak = with_load(peak, axis, behind_.gain() * velocity, behind_.gain() * acceleration);
   peak.braking = peak.motoring;  // a stop brakes as a start drives
   return peak;
 }
@@ -107,9 +111,7 @@ bool BlendLimits::any_delay_holds(const double* in, const double* out, int from)
     const double apart = in[a] * out[a] < 0.0 ? v1 + v2 : std::max(v1, v2);
     const double acceleration = (merge ? change : apart) * peak_tap_ / period_;
     const double jerk = (merge ? change : v1 + v2) * peak_step_ / (period_ * period_);
-    AxisState peak = axis_state(axis, std::max(v1, v2), acceleration, jerk);
-    peak.braking = peak.motoring;
-    if (!accdec::holds(axis, peak, 1.0)) return false;
+    if (!accdec::holds(axis, peak_of(axis, std::max(v1, v2), acceleration, jerk), 1.0)) return false;
   }
   return true;
 }

@@ -62,6 +62,8 @@ class BlendLimits {
 
   /// The largest velocity, acceleration, jerk and load of an axis that starts to or stops from a speed, together.
   AxisState peak_at(const Axis& axis, double speed) const;
+  /// The same of a largest velocity and changes of it, which the motion's may exceed.
+  AxisState peak_of(const Axis& axis, double velocity, double acceleration, double jerk) const;
   /// The state of one axis at a sample.
   AxisState state(AxisSampler& sampler, const Axis& axis, double in, double out, int delay, int sample,
                   double still) const;

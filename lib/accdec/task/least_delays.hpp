@@ -29,14 +29,23 @@ class InPosition {
   int latency() const { return latency_; }  ///< samples
   /// Samples of leg 1 from its command's end until nothing is left of it.
   int longest() const {
-    int most = DelayFinder(behind_.command()).exact_stop_delay();
+    const auto taps = [](const Filter& filter) { return filter.last_nonzero_tap() - filter.first_nonzero_tap(); };
+    int most = taps(behind_.command());
     for (const Filter& motion : actual_ ? behind_.servo() : std::span<const Filter>())
-      most = std::max(most, DelayFinder(motion).exact_stop_delay());
+      most = std::max(most, taps(motion));
     return most;
   }
   /// The remaining way of leg 1 so many samples after its command's end, m: with a smaller width the next block waits
-  /// longer.
+  /// longer. Behind an overshooting response it is the least so far, as the control looks for the first sample.
   double way_left(const TaskCorner& corner, int samples) const {
+    double least = way_at(corner, samples);
+    for (int before = samples - 1; actual_ && behind_.gain() > 1.0 && before >= 0; --before)
+      least = std::min(least, way_at(corner, before));
+    return least;
+  }
+
+ private:
+  double way_at(const TaskCorner& corner, int samples) const {
     const Corner& g = corner.geometry();
     if (!actual_ || !behind_.differs())
       return g.feed_in * period_ * (actual_ ? behind_.motion() : behind_.command()).remaining_moment(samples);
@@ -46,7 +55,6 @@ class InPosition {
     return g.feed_in * period_ * std::sqrt(squares);
   }
 
- private:
   const FilterBehind& behind_;
   bool actual_;
   double period_;

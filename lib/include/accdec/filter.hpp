@@ -24,6 +24,9 @@ class Filter {
   /// @param taps  b_0 .. b_N, at least one, each finite and >= 0, positive sum; any scale.
   /// @throws std::invalid_argument naming the first offending tap.
   explicit Filter(std::vector<double> taps);
+  /// The same with taps of either sign: how an axis moves behind a measured response. A negative tap makes B fall
+  /// again, so searches by closed form (DelayFinder) do not take it.
+  static Filter of_any_sign(std::vector<double> taps);
 
   /// N; the filter has N + 1 taps.
   int order() const { return static_cast<int>(taps_.size()) - 1; }
@@ -56,6 +59,8 @@ class Filter {
   int last_nonzero_tap() const { return last_nonzero_; }
 
  private:
+  Filter(std::vector<double> taps, bool any_sign);
+
   std::vector<double> taps_, cumulative_, remaining_, elapsed_moment_, remaining_moment_;
   double mean_delay_ = 0.0;
   int first_nonzero_ = 0, last_nonzero_ = 0;

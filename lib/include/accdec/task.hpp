@@ -201,8 +201,10 @@ struct Task {
   std::vector<std::string> notes{};           ///< keys that were read but are better written in another way
 };
 
-/// Responses that a caller considers: none, the control's own smoothing, one of all axes without negative taps, or any.
-enum class Considered { none, smoothing, common, any };
+/// Parts of the machine that a caller considers beside the limits of its axes: none, or the control's own smoothing.
+/// Plans of programs (`loads`) also know servos, dry friction, force-speed curves, the supply and modes of axes. `all`
+/// adds the time that a control takes to begin a block (in_position_latency_ms).
+enum class Considered { none, smoothing, loads, all };
 
 /// Requirements of the caller on a task.
 struct TaskOptions {
@@ -211,9 +213,7 @@ struct TaskOptions {
   /// Number of axes that a single [[axis]] table, or none, stands for if no corner gives their number: 1 .. 9. They are
   /// named x, y, z, a, b, c, u, v, w in order.
   int axes = 2;
-  /// Which responses of the machine the caller considers (servo, the control's smoothing), and with those of axes also
-  /// dry friction and a shared supply. Keys that give another are refused where they stand, so that none is ignored
-  /// silently.
+  /// Keys of what the caller does not consider are refused where they stand, so that none is ignored silently.
   Considered response = Considered::none;
   /// Whether [controller] may name a file, which is then opened; not where the text comes from somebody else.
   bool controller_files = true;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/plan/delays/joint_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
@@ -45,22 +46,33 @@ int JointDelays::within_limits(int delay, bool stop) {
   return limits_.any() ? limits_.smallest(in_.data(), out_.data(), delay, possible_, stop) : delay;
 }
 
-int JointDelays::within_contour(int delay) const {
-  if (!(path_.contour_max < unlimited)) return delay;
+Corner JointDelays::loaded() const {
   const auto n = static_cast<Eigen::Index>(path_.dimensions());
-  const Corner corner = make_corner(Eigen::Map<const Eigen::VectorXd>(in_.data(), n),
-                                    Eigen::Map<const Eigen::VectorXd>(out_.data(), n), speed_in_, speed_out_);
-  const auto held = [&](int d) {
-    const double deviation = measure(Blend(behind_.motion(), corner, d, period_)).contour_deviation;
-    return deviation <= path_.contour_max + position_floor;
-  };
-  if (held(delay)) return delay;
-  int low = delay, high = std::max(delay, finder_.exact_stop_delay());
+  return make_corner(Eigen::Map<const Eigen::VectorXd>(in_.data(), n),
+                     Eigen::Map<const Eigen::VectorXd>(out_.data(), n), speed_in_, speed_out_);
+}
+
+namespace {
+
+/// The least delay from `low` on, by halving: errors mostly fall with the delay. The last one counts as held.
+template <class Held>
+int least_held(int low, int high, const Held& held) {
+  if (high <= low || held(low)) return low;
   while (high - low > 1) {
     const int middle = low + (high - low) / 2;
     (held(middle) ? high : low) = middle;
   }
   return high;
+}
+
+}  // namespace
+
+int JointDelays::within_contour(int delay) const {
+  if (!(path_.contour_max < unlimited)) return delay;
+  const Corner corner = loaded();
+  return least_held(delay, finder_.exact_stop_delay(), [&](int d) {
+    return measure(behind_, corner, d, period_).contour_deviation <= path_.contour_max + position_floor;
+  });
 }
 
 int JointDelays::of_control(int delay) {
@@ -99,7 +111,12 @@ int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {
 }
 
 int JointDelays::within_tolerance(std::size_t b) const {
-  return finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
+  if (!behind_.differs()) return finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
+  if (!(path_.tolerance[b] < unlimited)) return 0;
+  const Corner corner = loaded();
+  return least_held(0, behind_.longest_order() + 1, [&](int d) {
+    return corner_error(behind_, corner, d, period_) <= path_.tolerance[b] + position_floor;
+  });
 }
 
 int JointDelays::smooth(std::size_t b) {

@@ -34,6 +34,8 @@ class JointDelays {
   double cos_interior() const;
   int within_limits(int delay, bool stop = false);
   int within_contour(int delay) const;
+  /// The corner between the blocks loaded.
+  Corner loaded() const;
   /// The shortest within the limits that the control has; if it has none, the shortest within the limits.
   int of_control(int delay);
   /// At which the command rests; a servo may still follow.

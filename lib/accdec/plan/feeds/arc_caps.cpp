@@ -54,13 +54,13 @@ const PathArc* arc_of(const Toolpath& path, std::size_t b) {
   return b <= arc.last ? &arc : nullptr;
 }
 
-ArcCaps::ArcCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+ArcCaps::ArcCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
                  double sample_period)
-    : path_(path),
-      feeds_(feeds),
-      window_(window),
-      // The polyline between samples adds 1/4.
-      deviation2_((tap_variance(filter) + 0.25) * sample_period * sample_period) {}
+    : path_(path), feeds_(feeds), window_(window) {
+  // A response that overshoots may widen an arc. The polyline between samples adds 1/4.
+  for (std::size_t a = 0; a < path.dimensions(); ++a)
+    deviation2_.push_back((std::abs(tap_variance(behind.motion(a))) + 0.25) * sample_period * sample_period);
+}
 
 std::optional<double> ArcCaps::speed(std::size_t b, double tolerance) const {
   const PathArc* arc = arc_of(path_, b);
@@ -75,7 +75,8 @@ std::optional<double> ArcCaps::speed(std::size_t b, double tolerance) const {
   const double top = std::max(feeds_.length[b] / path_.duration[b], feeds_.length[b + 1] / path_.duration[b + 1]);
   double v = top * in_plane;
   if (tolerance < unlimited) {
-    v = std::min(v, std::sqrt(2.0 * arc->radius * std::max(0.1 * tolerance, tolerance - sagitta) / deviation2_));
+    const double deviation2 = std::max(deviation2_[arc->x], deviation2_[arc->y]);
+    v = std::min(v, std::sqrt(2.0 * arc->radius * std::max(0.1 * tolerance, tolerance - sagitta) / deviation2));
   }
   double dx = 0.0, dy = 0.0;
   arc->from(at, dx, dy);

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
-#include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/feed_march.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
 #include <accdec/simulate.hpp>
@@ -24,7 +25,7 @@ const PathArc* arc_of(const Toolpath& path, std::size_t b);
 class ArcCaps {
  public:
   /// References are kept.
-  ArcCaps(const Toolpath& path, const FeedPath& feeds, const Filter& filter, const FeedWindow& window,
+  ArcCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
           double sample_period);
 
   /// Largest constant speed along the path at the joint at the end of block b. None if that joint is on no arc, or if
@@ -36,7 +37,7 @@ class ArcCaps {
   const Toolpath& path_;
   const FeedPath& feeds_;
   const FeedWindow& window_;
-  double deviation2_;  // s^2, of the radius error, sampling included
+  std::vector<double> deviation2_;  // of every axis, s^2, of the radius error, sampling included
 };
 
 }  // namespace accdec

@@ -19,7 +19,8 @@ class ArcGroup {
   ArcGroup(Toolpath& path, std::span<const PathArc> arcs, const FilterBehind& behind, std::span<const int> delays,
            double period)
       : path_(path), first_(arcs.front().first), last_(arcs.back().last), span_((behind.felt_order() + 1) * period) {
-    const double variance = tap_variance(behind.motion()) * squared(period);
+    const auto variance_of = [&](std::size_t axis) { return tap_variance(behind.motion(axis)) * squared(period); };
+    const double variance = 0.5 * (variance_of(arcs.front().x) + variance_of(arcs.front().y));
     const std::size_t n = path.dimensions();
     time_.push_back(0.0);
     sum_.push_back(0.0);

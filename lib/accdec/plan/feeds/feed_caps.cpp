@@ -32,7 +32,7 @@ FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehi
       period_(sample_period),
       feed_step_(feed_step),
       finder_(motion_),
-      arcs_(path, feeds, motion_, window, sample_period),
+      arcs_(path, feeds, behind, window, sample_period),
       acceleration_(path.blocks(), unlimited) {
   const std::size_t n = feeds.dimensions;
   for (std::size_t b = 0; b < path.blocks(); ++b) {

@@ -167,6 +167,7 @@ Task representative_task(const Toolpath& path, const Task& task, std::size_t cor
   result.machine = program_machine(task.machine, path);
   result.machine.prefilter_taps = task.machine.prefilter_taps;
   give_slowest_servo(result.machine, task.sample_period);
+  for (Axis& axis : result.machine.axes) axis = averaging(std::move(axis));
   const Survey found = survey(path);
   result.design.objective = Objective::cycle;
   result.design.runs = found.runs;

@@ -168,7 +168,7 @@ class Reader {
     if (json.has("tool_length_m")) in.tools.length = json["tool_length_m"].number();
     record_.task = parse_task(
         in.task_text, in.task_path + " (in " + name_ + ")",
-        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::common});
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
     in.reading.error_max = record_.task.program_error_max;
     in.reading.room_for_chords = record_.schema == ProgramSchema::program_2;
     in.reading.contour_max = record_.task.program_contour_max.value_or(unlimited);

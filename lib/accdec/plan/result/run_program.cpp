@@ -243,10 +243,6 @@ ProgramResult before_planning(const std::string& name, const Toolpath& path, con
 
 /// @throws std::invalid_argument for what a plan of one filter does not consider behind a servo
 void require_considered(const Task& task, const Machine& machine, bool filter_bound) {
-  for (const Axis& axis : machine.axes) {
-    if (std::ranges::any_of(axis.response_taps, [](double tap) { return tap < 0.0; }))
-      throw std::invalid_argument("a program considers servos without negative taps (response_taps)");
-  }
   if (!has_servo(machine)) return;
   if (task.settings && task.settings->in_position_actual)
     throw std::invalid_argument(
