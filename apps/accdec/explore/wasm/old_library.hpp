@@ -98,6 +98,11 @@ template <class Range, class Value, class Projection>
 auto find(Range&& range, const Value& value, Projection of) {
   return std::find_if(begin(range), end(range), [&](const auto& item) { return invoke(of, item) == value; });
 }
+template <class Range, class Less = std::less<>, class Projection>
+auto max_element(Range&& range, Less before, Projection of) {
+  return std::max_element(begin(range), end(range),
+                          [&](const auto& a, const auto& b) { return invoke(before, invoke(of, a), invoke(of, b)); });
+}
 template <class Range, class Value, class Less = std::less<>, class Projection = std::identity>
 auto upper_bound(Range&& range, const Value& value, Less before = {}, Projection of = {}) {
   return std::upper_bound(begin(range), end(range), value,
