@@ -83,15 +83,11 @@ template <class From, class To>
 auto copy(From&& from, To to) {
   return std::copy(begin(from), end(from), to);
 }
-template <class A, class B>
-bool equal(A&& a, B&& b) {
-  return std::equal(begin(a), end(a), begin(b), end(b));
-}
-template <class A, class B, class Compare = std::equal_to<>, class Projection>
-constexpr bool equal(A&& a, B&& b, Compare, Projection of) {
+template <class A, class B, class Same = std::equal_to<>, class Projection = std::identity>
+constexpr bool equal(A&& a, B&& b, Same same = {}, Projection of = {}) {
   auto i = begin(a);
   auto j = begin(b);
-  while (i != end(a) && j != end(b) && invoke(of, *i) == *j) ++i, ++j;
+  while (i != end(a) && j != end(b) && invoke(same, invoke(of, *i), *j)) ++i, ++j;
   return i == end(a) && j == end(b);
 }
 template <class Range, class Value, class Projection>
