@@ -106,7 +106,7 @@ TEST(PanelUse, AFlatPathIsStretchedAndSaysHowMuch) {
   const Figure figure = plot_result(design_task(task));
   const Panel& path = figure.panels[0];
   EXPECT_GT(path.stretch, 1.0);
-  EXPECT_EQ(path.y.label, fmt::format("y / µm, stretched {} times", path.stretch));
+  EXPECT_EQ(path.y.label, fmt::format("y / µm, drawn {:g} times as long", path.stretch));
   const PanelLayout place = layout(figure).panels[0];
   const auto [x, y] = panel_frame(path, place.plot_width, place.plot_height);
   const double across = place.plot_width / (x.high - x.low), up = place.plot_height / (y.high - y.low);  // px a unit

@@ -7,6 +7,7 @@
 #include <accdec/corner.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/task/simulation.hpp>
+#include <accdec/task/verified_contour.hpp>
 #include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
@@ -14,6 +15,8 @@
 namespace accdec {
 namespace {
 
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::plane_corner;
 using testing::plane_task;
@@ -29,6 +32,20 @@ TEST(Simulation, GivesTableTwoOfThePaper) {
     verify_by_simulation(task, filter, {delays[i]}, nullptr, &corners);
     EXPECT_NEAR(corners[0].corner_error * 1e6, printed[i], 0.5) << "d = " << delays[i];
   }
+}
+
+TEST(PathDistance, HasThePointBetweenSamplesWhereTheNearerLegChanges) {
+  // Legs along x and y; the distance of (-p, q) is the smaller of p and q, and on a chord largest where they are equal.
+  const Corner corner = make_corner(Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), 0.1, 0.1);
+  const auto drawn = [&](const Eigen::MatrixXd& positions) { return path_distance(positions, corner); };
+  const PathDistance between = drawn(Eigen::Matrix2d{{-4.0, 1.0}, {-1.0, 4.0}});
+  EXPECT_THAT(between.time, ElementsAre(0.0, DoubleNear(0.5, 1e-12), 1.0));
+  EXPECT_THAT(between.distance, ElementsAre(1.0, DoubleNear(2.5, 1e-12), 1.0));
+  // At a sample, there is no other point beside it: not even if 1/3 rounds.
+  const double p = 1.0 / 3.0;
+  const PathDistance at = drawn(Eigen::Matrix<double, 3, 2>{{-0.4, 0.1}, {-p, p}, {-0.1, 0.4}});
+  EXPECT_THAT(at.time, ElementsAre(0.0, 1.0, 2.0));
+  EXPECT_THAT(at.distance, ElementsAre(0.1, p, 0.1));
 }
 
 TEST(Verifier, AgreesWithTheFormulasOnEveryMeasureAndLimit) {

@@ -209,18 +209,23 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
       const Legs v = legs(task_.corners[j], a);
       if (v.in == 0.0 || v.out == 0.0) continue;
       add_broken_curve(filter, box, j, a, slack, broken);
+      std::vector<const AxisLimit*> bounded;  // each difference that is computed costs time at every sample
+      for (const AxisLimit& limit : axis_limits)
+        if (limit.differences >= 0 && axis.*limit.bound < unlimited) bounded.push_back(&limit);
+      const bool forced = axis.force_max < unlimited;
+      std::size_t used = forced ? 1 : 0;
+      for (const AxisLimit* limit : bounded) used = std::max(used, static_cast<std::size_t>(limit->differences) + 1);
       std::array<double, most_differences + 1> difference{};  // of the acceleration, over T each time
       for (int k = 1; k <= box.order + d + 1 + most_differences; ++k) {
         double next = (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / t;
-        for (double& last : difference) next = (next - std::exchange(last, next)) / t;
+        for (std::size_t i = 0; i < used; ++i) next = (next - std::exchange(difference[i], next)) / t;
         const auto test = [&](LimitKind limit, double value, double bound) {
           if (!(std::abs(value) > bound * (1.0 + slack))) return;
           broken.push_back(proof::Blend{limit, static_cast<int>(j), static_cast<int>(a), k, value > 0.0 ? 1 : -1});
         };
-        for (const AxisLimit& limit : axis_limits) {
-          if (limit.differences < 0) continue;
-          test(limit.kind, difference[static_cast<std::size_t>(limit.differences)], axis.*limit.bound);
-        }
+        for (const AxisLimit* limit : bounded)
+          test(limit->kind, difference[static_cast<std::size_t>(limit->differences)], axis.*(limit->bound));
+        if (!forced) continue;
         const double force =
             axis.mass * difference[0] + axis.damping * (v.in * filter.remaining(k) + v.out * filter.cumulative(k - d));
         test(LimitKind::force, force, axis.force_max + friction_help(axis, v, force > 0.0 ? 1 : -1));

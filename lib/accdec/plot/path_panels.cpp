@@ -175,7 +175,7 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   panel.stretch = stretch_of(high / wide);
   if (panel.stretch != 1.0)
     (panel.stretch > 1.0 ? panel.y : panel.x).label +=
-        fmt::format(", stretched {:.6g} times", std::max(panel.stretch, 1.0 / panel.stretch));
+        fmt::format(", drawn {:g} times as long", std::max(panel.stretch, 1.0 / panel.stretch));
   panel.x.min = scale * (window.left - margin * wide), panel.x.max = scale * (window.right + margin * wide);
   panel.y.min = scale * (window.low - margin * high), panel.y.max = scale * (window.high + margin * high);
   if (before) {

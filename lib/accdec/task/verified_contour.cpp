@@ -46,7 +46,9 @@ PathDistance path_distance(const Eigen::MatrixXd& positions, const Corner& corne
     if (n > 0) {
       ContourWatch chord(corner);
       chord.add(positions.row(n - 1).transpose(), static_cast<int>(n - 1)), chord.add(x, static_cast<int>(n));
-      if (chord.deviation() > std::max(path.distance.back(), here))
+      // If the nearer leg changes at a sample, only rounding sets the largest distance apart from that sample.
+      if (chord.deviation() > (1.0 + 1e-12) * std::max(path.distance.back(), here) &&
+          chord.time() != std::floor(chord.time()))
         path.time.push_back(chord.time()), path.distance.push_back(chord.deviation());
     }
     path.time.push_back(static_cast<double>(n)), path.distance.push_back(here);

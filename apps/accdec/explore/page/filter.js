@@ -1,6 +1,6 @@
 // Taps and frequency response.
 import { Chart } from "./curves.js";
-import { colour } from "./marks.js";
+import { binding, colour } from "./marks.js";
 
 const points = 300;
 
@@ -33,7 +33,10 @@ export class FilterCharts {
     this.response = new Chart(response, { together: false, log: true, xTitle: "Hz" });
   }
 
-  show(now, before, period, modes) {
+  /** @param before  the filter it is compared with, or undefined */
+  show(result, before) {
+    const { filter: now, sample_period_s: period } = result,
+      modes = result.task.mode ?? [];
     const ms = 1e3 * period;
     const tap = (filter, rest) => ({ time: filter.taps.map((_, i) => i * ms), values: filter.taps, axis: 0, ...rest });
     const specs = [tap(now, { label: "design", bars: true })];
@@ -55,12 +58,12 @@ export class FilterCharts {
     if (before) lines.push(curve(before, { label: "before", before: true }));
     const least = Math.min(...lines.flatMap(({ values }) => values), ...modes.map((m) => m.residual_max ?? 1));
     const low = Math.min(0.1, Math.max(1e-4, 10 ** Math.floor(Math.log10(least))));
-    this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra: (plot) => bands(plot, modes) });
+    this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra: (plot) => bands(plot, modes, result.limits) });
   }
 }
 
-/** The bands of the modes, and the vibration that may be left in them. */
-function bands(plot, modes) {
+/** The bands of the modes, and the vibration that may be left in them: in red where it binds. */
+function bands(plot, modes, uses) {
   const { ctx, bbox } = plot;
   ctx.save();
   for (const mode of modes) {
@@ -71,8 +74,17 @@ function bands(plot, modes) {
     ctx.fillStyle = colour("tolerance");
     ctx.fillRect(from, bbox.top, wide, bbox.height);
     const y = plot.valToPos(Math.max(mode.residual_max, 1e-4), "y", true);
-    ctx.fillStyle = colour("binds");
-    ctx.fillRect(from, y - devicePixelRatio, wide, 2 * devicePixelRatio);
+    const binds = uses.some(
+      (u) =>
+        u.kind === "vibration" &&
+        u.utilisation >= binding &&
+        u.bound === mode.residual_max &&
+        u.frequency_Hz >= list[0] &&
+        u.frequency_Hz <= list.at(-1),
+    );
+    const thick = (binds ? 4 : 1) * devicePixelRatio;
+    ctx.fillStyle = colour(binds ? "binds" : "limit");
+    ctx.fillRect(from, y - thick / 2, wide, thick);
   }
   ctx.restore();
 }

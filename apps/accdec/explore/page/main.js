@@ -199,7 +199,7 @@ function drawNow() {
   $("#beside").textContent = !before ? "(nothing to compare with)" : beside.family ? brief(beside.family.title) : "today";
   $("#corner-table .wide").replaceChildren(cornerTable(answer.corners));
   if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
-  filters.show(result.filter, before?.result.filter, result.sample_period_s, result.task.mode ?? []);
+  filters.show(result, before?.result.filter);
   const view = views[i],
     old = before?.views[i];
   if (!view) return;

@@ -71,7 +71,7 @@ function axes(box, at, names, toUnit, unitName, stretch) {
       make("text", { x: left - 5, y: py + 4, "text-anchor": "end" }, four(Math.round(y / rise) * rise * toUnit)),
     );
   }
-  const longer = `, stretched ${four(Math.max(stretch, 1 / stretch))} times`;
+  const longer = `, drawn ${four(Math.max(stretch, 1 / stretch))} times as long`;
   const [x, y] = names.map((name, i) => `${name} / ${unitName}${(i ? stretch > 1 : stretch < 1) ? longer : ""}`);
   parts.push(
     make("text", { x: width - right, y: height - 3, "text-anchor": "end" }, x),

@@ -16,7 +16,7 @@ export function tools(shared, draw) {
   $("#tap-table").ontoggle = draw;
   const changed = make("option", { value: "changed", hidden: true, disabled: true }, "changed");
   $("#shipped").append(
-    make("option", { value: "" }, start.name || "choose .."),
+    make("option", { value: "", title: start.name }, start.name.replace(/^.*[/]/, "") || "choose .."),
     ...start.shipped.map((s) => make("option", {}, s.name)),
     changed,
   );

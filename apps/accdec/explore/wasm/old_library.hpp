@@ -83,20 +83,21 @@ template <class From, class To>
 auto copy(From&& from, To to) {
   return std::copy(begin(from), end(from), to);
 }
-template <class A, class B>
-bool equal(A&& a, B&& b) {
-  return std::equal(begin(a), end(a), begin(b), end(b));
-}
-template <class A, class B, class Compare = std::equal_to<>, class Projection>
-constexpr bool equal(A&& a, B&& b, Compare, Projection of) {
+template <class A, class B, class Same = std::equal_to<>, class Projection = std::identity>
+constexpr bool equal(A&& a, B&& b, Same same = {}, Projection of = {}) {
   auto i = begin(a);
   auto j = begin(b);
-  while (i != end(a) && j != end(b) && invoke(of, *i) == *j) ++i, ++j;
+  while (i != end(a) && j != end(b) && invoke(same, invoke(of, *i), *j)) ++i, ++j;
   return i == end(a) && j == end(b);
 }
 template <class Range, class Value, class Projection>
 auto find(Range&& range, const Value& value, Projection of) {
   return std::find_if(begin(range), end(range), [&](const auto& item) { return invoke(of, item) == value; });
+}
+template <class Range, class Less = std::less<>, class Projection>
+auto max_element(Range&& range, Less before, Projection of) {
+  return std::max_element(begin(range), end(range),
+                          [&](const auto& a, const auto& b) { return invoke(before, invoke(of, a), invoke(of, b)); });
 }
 template <class Range, class Value, class Less = std::less<>, class Projection = std::identity>
 auto upper_bound(Range&& range, const Value& value, Less before = {}, Projection of = {}) {
