@@ -95,9 +95,6 @@ class Enclosure:
         above = each(int.__gt__, self.lo, exact(other).hi)
         return any(above) if type(above) is list else above
 
-    def __lt__(self, other):
-        return exact(other) > self
-
     def __getitem__(self, at):
         return Enclosure(self.lo[at], self.hi[at])
 
@@ -110,6 +107,10 @@ class Enclosure:
 
     def total(self):
         return Enclosure(sum(self.lo), sum(self.hi))
+
+    def positive(self):
+        """The part that is not negative."""
+        return Enclosure(max(self.lo, 0), max(self.hi, 0))
 
 
 def exact(x):
@@ -150,8 +151,7 @@ def turned(fall, angle):
 
 def exponential(x):
     """Of a number not above zero."""
-    value, _ = turned(-exact(x), 0)
-    return Enclosure(max(value.lo, 0), value.hi)
+    return turned(-exact(x), 0)[0].positive()
 
 
 DIGITS = 3141592653589793238462643383279502884197169399375105820974944  # of pi

@@ -10,12 +10,11 @@ from fractions import Fraction
 from pathlib import Path
 
 sys.dont_write_bytecode = True
-from check_certificate_test import design, verdict  # noqa: E402 isort:skip
+from check_certificate_test import design, part, verdict  # noqa: E402 isort:skip
 
 import problem  # noqa: E402
 from enclosure import ONE  # noqa: E402
 from rows import Limits  # noqa: E402
-from tree import part  # noqa: E402
 
 
 class DampedModes(unittest.TestCase):
@@ -52,7 +51,7 @@ class DampedModes(unittest.TestCase):
                 "axis": [{}] * 2, "mode": [{"frequency_Hz": 40, "damping_ratio": Fraction(1, 10), "residual_max": 1}]}
         limits, w = Limits(problem.read(task)), 2 * math.pi * 0.04
         for angle in (0.0, 1.0, 2.5):
-            box = part([(0, 0, 0, 9)], [(Fraction(0), Fraction(9))], 3)
+            box = part((0, 0), (0, 9), 3, {})
             row = limits.row(["damped vibration", 0, 40, Fraction(1, 10), Fraction(angle), 1], box)
             self.assertEqual(len(row.taps), 4)
             for i, c in enumerate(row.taps):

@@ -1,8 +1,9 @@
 """Proofs that name nothing: limits that no filter keeps, whatever its order."""
 from fractions import Fraction
 
-from enclosure import ONE, Enclosure, Refused, exact, square_root
-from filters.members import Filter
+import claim
+from enclosure import ONE, Enclosure, Refused, exact, refuse_if, square_root
+from members import Filter
 from rows import Limits
 
 CELLS = 400
@@ -10,10 +11,9 @@ CELLS = 400
 
 def constant_feed(problem):
     """A limit broken before anything moves but at its feed, in words."""
-    steady = Filter(problem, Limits(problem), [1])
+    steady = Filter(problem, Limits(problem), exact([1]))
     for corner in problem.corners:
-        fastest = max(corner.feed_in, corner.feed_out)
-        if any(steady.axes_break([(x, x) for x in leg], 0, fastest) for leg in (corner.speed_in, corner.speed_out)):
+        if any(steady.axes_break([(x, x) for x in leg], 0) for leg in (corner.speed_in, corner.speed_out)):
             return f"corner {corner.name}: a limit of an axis at constant feed"
         if corner.speed_min > min(corner.feed_in, corner.feed_out):
             return f"corner {corner.name}: its smallest speed is above a feed"
@@ -87,3 +87,11 @@ def corner_speed(problem):
         if least is None or across * Enclosure(least) > corner.error:
             return f"corner {corner.name}: no filter keeps both its smallest speed and its tolerance"
     raise Refused("no smallest speed is surely too much within its corner's error")
+
+
+def contradiction(result, problem, certificate):
+    refuse_if(result["status"] != "infeasible", "the certificate is one of infeasibility, the status is not")
+    return {"constant feed": constant_feed, "corner speed": corner_speed}[certificate["kind"]](problem)
+
+
+claim.CHECKS |= {"constant feed": contradiction, "corner speed": contradiction}

@@ -1,0 +1,141 @@
+"""Rows that no shipped proof names. README.md of lib/accdec/certificate has the formulas."""
+from math import floor
+
+from enclosure import PI, Enclosure, NotCovered, exact, refuse_if, square_root, turned
+from more.widening import widens
+from rows import BEHIND_A_SERVO, IN_WINDOWS, KINDS, Limits, Row, turns
+
+BEHIND_SMOOTHING = {"error", "contour", "budget"}
+
+
+@widens(Limits, "bound_taps")
+def bound_taps(narrow, self, axis, speed, stop):
+    """None behind a control's smoothing."""
+    if len(self.problem.smoothing.lo) == 1:
+        narrow(self, axis, speed, stop)
+
+
+@widens(Limits, "row")
+def row_of(narrow, self, entry, box):
+    smoothed = len(self.problem.smoothing.lo) > 1 and entry[0] not in BEHIND_SMOOTHING
+    refuse_if(smoothed, f"a row `{entry[0]}` behind a response", NotCovered)
+    return narrow(self, entry, box)
+
+
+@widens(Limits, "named")
+def named(narrow, self, letter, x):
+    """Yes or no b, too."""
+    refuse_if(letter == "b" and not isinstance(x, bool), f"{x!r} stands where true or false should")
+    return x if letter == "b" else narrow(self, letter, x)
+
+
+def budget(row):
+    row.others[:len(row.box.corners)] = [exact(corner.weight).lo for corner in row.problem.corners]
+    row.limit(row.box.budget)
+
+
+def force_speed(row, event, *at):
+    """|F| + slope |V| <= bound: a force with more or less damping."""
+    *at, line, direction = at if event == "blend" else (*at, 1)
+    a, _, sign, *_ = row.legs(event, at)
+    axis = row.problem.axes[a]
+    slope, bound = axis.lines[line]
+    row.load("force", event, *at, axis=axis._replace(damping=axis.damping + sign * direction * slope,
+                                                     limits={"force": bound}))
+
+
+def speed(row, j, k, low, high):
+    """|V| >= v_min with V between the directions low and high: n V >= v_min cos((high - low)/2), n half way. In the
+    plane of motion V = v1 (1 - B_k) (1, 0) + v2 B_{k-d} (-cos theta, sin theta)."""
+    corner, (d1, d2, _, _) = row.problem.corners[j], row.box.corners[j]
+    refuse_if(corner.speed_min == 0, "a row `speed` names a corner without a smallest speed")
+    refuse_if(not low < high or exact(high - low).hi >= PI.lo, "a sector is half a turn or more, or none")
+    if not 1 <= k <= row.box.order + d1:
+        return
+    into = (1 - row.responses(k)) * corner.feed_in
+    out = Enclosure(row.responses(k - d2).lo, row.responses(k - d1).hi) * corner.feed_out
+
+    def seen(angle):
+        """Parts of both legs' unit vectors along a direction, and to the left of it."""
+        ca, sa = turned(0, angle)
+        return ca, corner.sine * sa - corner.cosine * ca, -sa, corner.sine * ca + corner.cosine * sa
+
+    # Outside by so little is allowed and paid for; not behind, where a narrow sector has both edges beside it, too.
+    outside = corner.fastest / 10**12
+    of_in, of_out, _, _ = seen((low + high) / 2)
+    edges = [(x * into + y * out) for _, _, x, y in (seen(low), seen(high))]
+    beside = min(edges[0].lo, -edges[1].hi, (of_in * into + of_out * out).lo) < -exact(outside).lo
+    refuse_if(beside, "a sector does not hold all directions that are left in its part")
+    refuse_if(d1 != d2 and of_out.lo < 0, "a sector is used for several delays, but does not hold for all")
+    # half - n V/v_min <= 0; of several delays the least has the most of leg 2
+    row.move(k, -of_in * (corner.feed_in / corner.speed_min), -of_out * (corner.feed_out / corner.speed_min), d1)
+    row.limit(2 * outside / corner.speed_min - turned(0, (high - low) / 2)[0])
+
+
+def contour(row, j, out):
+    """The nearer leg is min(p, q) sin(theta) away. So p(c) <= m and q(c - d) <= m at one time c, m the tolerance over
+    sin(theta). Between whole numbers both are linear; over c1 .. c2 and d1 .. d2 they are at least p(c2) and
+    q(c1 - d2)."""
+    corner, (c1, c2), (_, d2, _, _) = row.problem.corners[j], row.box.ranges[j, "c"], row.box.corners[j]
+    feed, time, add = (corner.feed_out, c1 - d2, row.gone) if out else (corner.feed_in, c2, row.to_go)
+    part = time - floor(time)
+    add(floor(time), exact(feed / corner.fastest * (1 - part)))
+    add(floor(time) + 1, exact(feed / corner.fastest * part))
+    row.limit(corner.contour / row.problem.period / corner.fastest / corner.sine)
+
+
+def range_error(row, j, angle, a, a_after, a_high, b, b_after, b_high):
+    (d1, d2, k1, k2), (of_p, of_q), corners = row.box.corners[j], row.seen(j, angle, False), len(row.box.corners)
+    # p_k >= p_a - z G, z = k - a, G = 1 - B_e, and z G <= z0 G + g (z - z0)
+    e = row.responses(a + a_after)
+    g, z0 = of_p * (1 - Enclosure(e.lo if a_high else e.hi)), (k1 if a_high else k2) - a
+    row.to_go(a, of_p)
+    row.response(a + a_after, of_p * z0)
+    row.limit(of_p * z0 + g * (k1 - a - z0))
+    # q_m >= q_b + y B_e, y = m - b, and y B >= y0 B + h (y - y0)
+    e = row.responses(b + b_after)
+    h, y0 = of_q * Enclosure(e.hi if b_high else e.lo), (k2 - d1 if b_high else k1 - d2) - b
+    row.gone(b, of_q)
+    row.response(b + b_after, of_q * y0)
+    row.limit(-h * (k1 - d1 - b - y0))
+    row.others[j], row.others[corners + j] = (-h).lo, (h - g).lo
+
+
+def residual(limits, mode, natural, damped, z, j=None, d=0):
+    """The bound of a mode's residual. An axis' amplitude in metres bounds the residual of the filter. Both legs of a
+    blend excite the mode through the same filter, the first one d samples earlier: times
+    |v2 - v1 exp(-(z w + i wd) d)|/wd. A start or stop has one leg. None if nothing excites the mode."""
+    if mode.axis is None:
+        return exact(mode.residual)
+    most = max(limits.ends[mode.axis], key=lambda x: x.lo)
+    if j is not None:
+        corner = limits.problem.corners[j]
+        along, across = turned(natural * z * d, damped * d)
+        along = abs(corner.speed_out[mode.axis] - corner.speed_in[mode.axis] * along)
+        across = abs(corner.speed_in[mode.axis] * across)
+        most = square_root(along * along + across * across)
+    return damped / most * (mode.displacement / limits.problem.period) if most.lo > 0 else None
+
+
+def vibration(row, m, *at):
+    *corner, frequency, z, angle = at if len(at) > 2 else (at[0], 0, at[1])
+    mode, j = row.problem.modes[m], corner[0] if corner else None
+    refuse_if(mode.axis is None and j is not None, "a multiplier sees a blend in a mode of the filter")
+    d1, d2, _, _ = row.box.corners[j or 0] if corner else (0, 0, 0, 0)
+    refuse_if(d1 != d2, "a limit of the blend is used for several delays at once")
+    many = corner and d1 >= row.problem.order_max + 2 + row.limits.longer and row.problem.corners[j].delay is None
+    refuse_if(many, "a multiplier names the phase of a delay that stands for many")
+    natural, damped, _, _ = turns(frequency * row.problem.period, z, row.box.order)
+    bound = residual(row.limits, mode, natural, damped, z, j, d1)
+    refuse_if(bound is None, "a multiplier names a mode that nothing excites")
+    row.vibration(m, frequency, z, angle, bound=bound)
+
+
+KINDS |= {
+    "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"), "contour": (contour, "jb"),
+    "speed": (speed, "jkxx"), "blend force_speed": (force_speed, "jaksks", "blend"),
+    "force_speed start": (force_speed, "akk", "start"), "force_speed stop": (force_speed, "akk", "stop"),
+    "vibration": (vibration, "mxx"), "damped vibration": (vibration, "mxxx"), "blend vibration": (vibration, "mjxxx"),
+}
+BEHIND_A_SERVO |= {"contour", "budget", "blend vibration"}
+IN_WINDOWS |= {"force_speed start", "force_speed stop", "blend force_speed"}

@@ -1,0 +1,51 @@
+"""Nodes about symmetric filters. Such a filter becomes one of the part's order or of one less by zeros at both ends."""
+from enclosure import refuse_if
+from more.widening import widens
+from tree import Tree
+
+
+def orders(tree, part):
+    """That order depends on the delays alone, so there must be one each."""
+    refuse_if(not tree.problem.symmetric, "the tree refutes symmetric filters only, the task allows any")
+    refuse_if(part.order < part.ranges["N"][0], "the tree goes on where every design is too long")
+    one = all(d1 == d2 for d1, d2, _, _ in part.corners)
+    refuse_if(not one, f"{part} refutes symmetric filters of one order for several delays at once")
+    return [n for n in (part.order, part.order - 1) if n >= tree.problem.order_min]
+
+
+def symmetric_part(tree, ranges, order):
+    part = tree.reduced(ranges)
+    part.order, part.symmetric = order, True
+    return part
+
+
+def symmetric_tree(tree, ranges, depth, order):
+    node, part = tree.next(), symmetric_part(tree, ranges, order)
+    refuse_if(depth > 1000, "the tree is too deep")
+    if type(node) is int:
+        tree.leaf(node, part)
+    elif node == "unreachable":
+        tree.leaves += 1
+        refuse_if(tree.limits.tube(part) is not None, f"{part} is called unreachable, but is not")
+    else:
+        for half in tree.halves(node, ranges, "B"):
+            symmetric_tree(tree, half, depth + 1, order)
+
+
+@widens(Tree, "node")
+def node_of_symmetric(narrow, self, ranges, depth, window):
+    node = self.tree[self.at] if self.at < len(self.tree) else None
+    pair = isinstance(node, list) and len(node) == 2 and type(node[0]) is int
+    if window or node != ["symmetric"] and not pair:
+        return narrow(self, ranges, depth, window)
+    self.at += 1
+    for i, order in enumerate(orders(self, self.reduced(ranges))):
+        if pair:
+            self.leaf(node[i], symmetric_part(self, ranges, order))
+        else:
+            symmetric_tree(self, ranges, depth + 1, order)
+
+
+@widens(Tree, "minimum")
+def minimum(narrow, self, c, part):
+    return narrow(self, [a + b >> 1 for a, b in zip(c, reversed(c))] if part.symmetric else c, part)
