@@ -54,8 +54,8 @@ export class FilterCharts {
       axis: 0,
       ...rest,
     });
-    const lines = [curve(now, { label: "design" })];
-    if (before) lines.push(curve(before, { label: "before", before: true }));
+    const lines = before ? [curve(before, { label: "before", before: true })] : [];
+    lines.push(curve(now, { label: "design" }));
     const least = Math.min(...lines.flatMap(({ values }) => values), ...modes.map((m) => m.residual_max ?? 1));
     const low = Math.min(0.1, Math.max(1e-4, 10 ** Math.floor(Math.log10(least))));
     this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra: (plot) => bands(plot, modes, result.limits) });

@@ -224,9 +224,9 @@ function drawNow() {
   });
   const most = result.task.corner[i].contour_max_um;
   const said = `largest ${(1e6 * result.corners[i].contour_deviation_m).toFixed(2)}`;
-  $("#off h2").textContent = `Distance from the programmed legs / \u00b5m: ${said}`;
+  $("#off h2").textContent = `Distance from the legs / \u00b5m: ${said}`;
   off.show(
-    [{ ...distance(shown, false), bound: most }, ...(old ? [distance(shownBefore, true)] : [])],
+    [...(old ? [distance(shownBefore, true)] : []), { ...distance(shown, false), bound: most }],
     most ? [{ value: most }] : [],
     { period, x },
   );
