@@ -26,6 +26,7 @@ import league_rows
 import programs
 
 LIMIT = 900  # s, for a planner's command
+RUNS = "ACCDEC_LEAGUE_RUN=%s" % uuid.uuid4()  # in the environment of all that planners start
 LARGEST = 2 * 1024**3  # bytes of a file that it writes
 LARGEST_READ = 2 * 10**8  # and of one that is read
 
@@ -155,7 +156,7 @@ def motion_of(planner, program, acceleration, jerk, options, folder):
              "task": programs.task_file(folder, acceleration, jerk), "acceleration": acceleration, "jerk": jerk,
              "velocity": programs.VELOCITY, "seconds": planner.get("seconds", 30)}
     command = planner["command"].format(**{k: shlex.quote(str(v)) for k, v in words.items()})
-    mark = "ACCDEC_LEAGUE_RUN=%s" % uuid.uuid4()
+    mark = "%s.%s" % (RUNS, uuid.uuid4())
     with tempfile.TemporaryFile() as said:
         with subprocess.Popen(["bash", "-c", command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said,
                               start_new_session=True, preexec_fn=limits_of_a_process,
@@ -238,7 +239,9 @@ def main():
         sys.exit("--out: %s cannot be written to: %s" % (options.out, error.strerror))
     table = options.out / "league.csv"
     rows = {league_rows.key(row): row for row in league_rows.read(table)}
-    lock = threading.Lock()
+    lock, stopped = threading.Lock(), threading.Event()
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda taken, _: sys.exit(128 + taken))
     with tempfile.TemporaryDirectory() as folder:
         everything = programs.cases(options.accdec, pathlib.Path(folder))
         order = [case[0] for case in everything]
@@ -246,6 +249,8 @@ def main():
 
         def run(planner, case, jerks):
             found = judged(planner, case, jerks, options)
+            if stopped.is_set():  # its planner was killed, and did not fail
+                return
             with lock:
                 rows.update((league_rows.key(row), row) for row in found)
                 league_rows.write(table, sorted(rows.values(), key=lambda r: (
@@ -254,8 +259,14 @@ def main():
         for planner in takers:
             work = list(runs(cases, planner, rows, options))
             with concurrent.futures.ThreadPoolExecutor(planner.get("jobs", options.jobs)) as pool:
-                for done in [pool.submit(run, planner, *one) for one in work]:
-                    done.result()
+                try:
+                    for done in [pool.submit(run, planner, *one) for one in work]:
+                        done.result()
+                except BaseException:
+                    stopped.set()
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    end_all(RUNS.encode())
+                    raise
     written = league_rows.read(table)
     (options.out / "league.md").write_text(league_page.page(written))
     print("wrote", table, "and", options.out / "league.md")
