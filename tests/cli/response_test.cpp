@@ -86,9 +86,10 @@ TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
                   "formulation = [\"margin\"]\norder = 20\n");
     for (const auto& [command, arguments] : refusing) {
       SCOPED_TRACE(command + " with " + key);
-      // Programs are planned with all but the latency, and both responses stand behind the filter that is found.
+      // Programs and comparisons consider all but the latency, and both responses stand behind a filter that is found.
       if (command == "program" && key != "in_position_latency_ms") continue;
       if (command == "identify" && (key == "prefilter_taps" || key == "in_position_latency_ms")) continue;
+      if ((command == "compare" || command == "instances") && key != "in_position_latency_ms") continue;
       std::vector<std::string> call{command};
       for (const std::string& argument : arguments)
         call.push_back(argument.find('.') != std::string::npos || argument == "out" ? folder_.path(argument)

@@ -34,10 +34,10 @@ bool is_as_brute_force(const Task& task, const std::string& what) {
   } else {
     EXPECT_EQ(result.status, Status::feasible) << what << ": " << result.message;
     EXPECT_NEAR(result.objective() / task.sample_period, expected, 1e-6) << what;
+    EXPECT_THAT(verify_result(result).reasons, IsEmpty()) << what;
   }
   EXPECT_THAT(result.message, HasSubstr("not proved best")) << what;
   EXPECT_FALSE(result.family_bound) << what;
-  EXPECT_THAT(verify_result(result).reasons, IsEmpty()) << what;
   return std::isfinite(expected);
 }
 
@@ -64,21 +64,21 @@ TEST(UnprovedSettings, BehindAnOvershootAreTheBestOfAllByBruteForce) {
   std::mt19937 rng(41);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int feasible = 0;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 8; ++i) {
     Task task = averages(rng, kinds[static_cast<std::size_t>(i) % 4], 1 + i % 2);
     const double first = 0.2 + 0.5 * u(rng), over = 0.05 + 0.2 * u(rng), back = 0.05 * u(rng);
     for (Axis& axis : task.machine.axes) axis.response_taps = {first, 1.0 - first + over - back, -over, back};
-    task.settings->in_position_actual = i % 8 < 4;
+    task.settings->in_position_actual = i % 3 != 2;
     feasible += is_as_brute_force(task, "task " + std::to_string(i)) ? 1 : 0;
   }
-  EXPECT_GE(feasible, 6);
+  EXPECT_GE(feasible, 3);
 }
 
 TEST(UnprovedSettings, UnderAModeOfAnAxisAreTheBestOfAllByBruteForce) {
   std::mt19937 rng(42);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int feasible = 0;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 8; ++i) {
     Task task = averages(rng, kinds[static_cast<std::size_t>(i) % 4], 1 + i % 2);
     Mode mode;
     mode.axis = i % 2;
@@ -91,7 +91,7 @@ TEST(UnprovedSettings, UnderAModeOfAnAxisAreTheBestOfAllByBruteForce) {
     if (i % 3 == 0) task.machine.prefilter_taps = {0.5, 0.5};
     feasible += is_as_brute_force(task, "task " + std::to_string(i)) ? 1 : 0;
   }
-  EXPECT_GE(feasible, 6);
+  EXPECT_GE(feasible, 3);
 }
 
 /// The steps of a corner feed swing together, which no formula here adds up.

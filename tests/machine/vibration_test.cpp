@@ -293,20 +293,5 @@ TEST(DampedVibration, RefusesDampingOutOfRange) {
   }
 }
 
-// A residual counts at the last tap that is not zero. Zeros behind it let nothing die away.
-TEST(Residual, ZerosBehindTheLastTapChangeNothing) {
-  for (const double z : {0.0, 0.06, 0.3}) {
-    // One tap leaves all of a step, however many zeros follow.
-    EXPECT_NEAR(residual_vibration(Filter({1.0, 0.0, 0.0, 0.0}), 40.0, fast_period, z), 1.0, 1e-15);
-    const std::vector<double> taps{1.0, 3.0, 2.0};
-    std::vector<double> longer = taps;
-    longer.resize(9, 0.0);
-    EXPECT_NEAR(residual_vibration(Filter(longer), 40.0, fast_period, z),
-                residual_vibration(Filter(taps), 40.0, fast_period, z), 1e-15);
-    EXPECT_NEAR(residual_amplitude(Filter(longer), 0.1, -0.2, 5, 40.0, fast_period, z),
-                residual_amplitude(Filter(taps), 0.1, -0.2, 5, 40.0, fast_period, z), 1e-15);
-  }
-}
-
 }  // namespace
 }  // namespace accdec

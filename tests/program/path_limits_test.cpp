@@ -138,6 +138,22 @@ TEST(ProgramPath, ModesOfAxesAreHeldBehindEveryCorner) {
   }
 }
 
+/// A damped vibration counts where the motion ends: zero taps behind it calm nothing. Feeds take whole samples here.
+TEST(ProgramPath, ZeroTapsBehindTheFilterCalmNothing) {
+  Task task = path_task();
+  Mode mode{40.0, 40.0, 1.0};
+  mode.damping_low = mode.damping_high = 0.1, mode.axis = 0, mode.displacement_max = 1.0;
+  task.machine.modes = {mode};
+  const Filter filter = trapezoid(60, 20);
+  std::vector<double> longer(filter.taps().begin(), filter.taps().end());
+  longer.resize(75, 0.0);
+  const ProgramResult result =
+      run_program("part", read_path("F6000\nG1 X40\nM2\n", task), Filter(longer), task, false, Feeds::keep);
+  ASSERT_TRUE(result.verification.feasible) << result.message;
+  const double left = residual_amplitude(filter, 0.0, 0.1, 0, 40.0, task.sample_period, 0.1);
+  EXPECT_NEAR(use_of_kind(result, LimitKind::residual)->value, left, 1e-9 * left);
+}
+
 /// A bound that no start from rest holds at the programmed feed lowers feeds; one of almost nothing is not met
 /// silently.
 TEST(ProgramPath, ModesOfAxesLowerFeeds) {

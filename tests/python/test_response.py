@@ -109,9 +109,15 @@ def test_axes_that_differ_are_judged():
     assert designed.outcome == "feasible" and "not proved" in designed.message
 
 
-def test_nonlinear_problems_do_not_consider_it():
-    with pytest.raises(ValueError, match="does not consider the servo"):
-        accdec.problem(everyday(200.0), order=20)
+def test_nonlinear_problems_consider_it():
+    task = everyday(200.0)
+    problem = accdec.problem(task, "margin", order=28, delays=[21])
+    assert problem.check_derivatives(problem.x0) == []
+    # The start is a trapezoid; its row is the square of the error over the tolerance, less the objective.
+    taps = np.minimum(np.minimum(np.arange(29) + 1, 10), 29 - np.arange(29))
+    square = problem.rows(problem.x0)[problem.row_names.index("corner error, corner A")] + problem.fun(problem.x0)
+    error = nearest(loop(task, taps / taps.sum(), 21, 200.0, 0.0))
+    assert 50e-6 * np.sqrt(square) == pytest.approx(error, abs=1e-7)
 
 
 class Cascade:
