@@ -1,6 +1,6 @@
-# Writes OUT, a C++ file with the text of every file in FOLDER that ends as ENDINGS (a list: "toml"): programs carry these
-# files along. It defines FUNCTION of NAMESPACE, which HEADER ("<..>") declares: std::span<const ELEMENT> of {name, text},
-# where names have no ending; WHOLE: of {name, media type, text}.
+# Writes OUT, a C++ file with the text of every file in FOLDER that ends as ENDINGS (a list: "toml"): programs carry
+# these files along. It defines FUNCTION of NAMESPACE, which HEADER ("<..>") declares: std::span<const ELEMENT> of
+# {name, text}, where names have no ending; WHOLE: of {name, media type, text}.
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
@@ -23,5 +23,6 @@ foreach(file IN LISTS files)
   file(READ ${file} content)
   string(APPEND text "      {\"${name}\", R\"accdec-file(${content})accdec-file\"},\n")
 endforeach()
-string(APPEND text "};\n\n}  // namespace\n\nstd::span<const ${ELEMENT}> ${FUNCTION}() {\n  return files;\n}\n\n}  // namespace ${NAMESPACE}\n")
+string(APPEND text "};\n\n}  // namespace\n\n"
+  "std::span<const ${ELEMENT}> ${FUNCTION}() {\n  return files;\n}\n\n}  // namespace ${NAMESPACE}\n")
 file(WRITE ${OUT} "${text}")

@@ -95,7 +95,8 @@ class Case:
             return
         unit, samples = self.rng.choice([0.01, 0.1, 1.0, 7.0]), self.attack.path("samples.csv")
         rows, results = [], []
-        for task in (self.task, {**self.task, "controller": {**self.task.get("controller", {}), "position_unit_um": unit}}):
+        stepped = {**self.task, "controller": {**self.task.get("controller", {}), "position_unit_um": unit}}
+        for task in (self.task, stepped):
             results.append(self.found(task, "--samples", samples))
             if results[-1] is None or results[-1]["commands"] != results[0]["commands"]:
                 return self.found(self.task)  # the time limit led to another plan

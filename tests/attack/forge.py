@@ -1,5 +1,5 @@
-"""Certificates forged: one node, row, lemma or claim of every kind that there is, so that `verify` meets each of them in
-a wrong place. The kinds are those of the checker's own header: a new one fails here until it is forged, too."""
+"""Certificates forged: one node, row, lemma or claim of every kind that there is, so that `verify` meets each of them
+in a wrong place. The kinds are those of the checker's own header: a new one fails here until it is forged, too."""
 import copy
 import json
 import re
@@ -160,7 +160,8 @@ TIGHT = {
     ),
     "weak": _task(
         3.0,
-        {"mass_kg": 34.0, "damping_N_s_m": 50.0, "force_max_N": 465.0, "power_max_W": 110.0, "regeneration_max_W": 60.0},
+        {"mass_kg": 34.0, "damping_N_s_m": 50.0, "force_max_N": 465.0, "power_max_W": 110.0,
+         "regeneration_max_W": 60.0},
         (100.0, 20.0, 24000.0, 200.0),
     ),
     "contour": _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, (70.0, 0.0, 6000.0, 120.0)),

@@ -50,7 +50,8 @@ def _response(rng):
 def turned(task):
     """The same task on rotary axes a and b: inertia and torque instead of mass and force; None with a curve."""
     axes = [{"name": n, **a} for n, a in zip("xy", task["axis"] * 2)] if len(task["axis"]) == 1 else task["axis"]
-    units = {"velocity_max_mm_s": ("velocity_max_deg_s", 1.0), "acceleration_max_mm_s2": ("acceleration_max_deg_s2", 1.0),
+    units = {"velocity_max_mm_s": ("velocity_max_deg_s", 1.0),
+             "acceleration_max_mm_s2": ("acceleration_max_deg_s2", 1.0),
              "jerk_max_mm_s3": ("jerk_max_deg_s3", 1.0), "mass_kg": ("inertia_kg_m2", RADIANS**-2),
              "damping_N_s_m": ("damping_N_m_s", RADIANS**-2), "coulomb_N": ("coulomb_N_m", 1.0 / RADIANS),
              "force_max_N": ("torque_max_N_m", 1.0 / RADIANS), "force_rms_N": ("torque_rms_N_m", 1.0 / RADIANS)}

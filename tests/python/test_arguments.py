@@ -115,7 +115,8 @@ def test_program_names_what_is_wrong(tmp_path):
     file.write_text(SQUARE)
     for name, values in {"plan": [3, "fast"], "feeds": [3], "arc_tolerance": ["a", 0.0, nan], "time_limit": ["a", 0.0],
                          "rapid_stops": ["a", 1], "compensate_arcs": [3], "tool_table": [3], "tool_length": ["a", 2e3],
-                         "estimate": [3, "kliper", [3]], "estimate_options": [3, {"resolution": "a"}, {"resolution": 1.0}],
+                         "estimate": [3, "kliper", [3]],
+                         "estimate_options": [3, {"resolution": "a"}, {"resolution": 1.0}],
                          "progress": [3], "file": [3, "no/such.ngc"]}.items():
         for value in values:
             with pytest.raises((ValueError, TypeError, OSError), match=name if name != "file" else "") as refused:

@@ -1,4 +1,4 @@
-"""A servo behind the filter of a program, against a simulation of the loop by formulas of its own: fourth order, T/50."""
+"""A servo behind the filter of a program, against a simulation of the loop by its own formulas: fourth order, T/50."""
 import json
 import math
 import random

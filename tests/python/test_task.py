@@ -172,7 +172,8 @@ def test_no_limit_is_none_or_infinity():
 
 
 @pytest.mark.parametrize("field, value, said", [
-    ("axes", {"acceleration_max": -1}, "`acceleration_max` = -1 is out of range; allowed is 0 < acceleration_max <= 100000"),
+    ("axes", {"acceleration_max": -1},
+     "`acceleration_max` = -1 is out of range; allowed is 0 < acceleration_max <= 100000"),
     ("axes", {"acceleration_max_mm_s2": -1}, "`acceleration_max_mm_s2` = -1 is out of range"),
     ("axes", {"acceleration_max": "a"}, '`acceleration_max` must be a number, got "a"'),
     ("corners", {"angle": 4.0, "feed_in": 0.1}, "`angle` = 4 is out of range; allowed is 0 < angle <= 3.14"),

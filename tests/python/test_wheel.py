@@ -1,4 +1,4 @@
-"""The wheel: made by pip and by build, it designs in a venv where none of the libraries it was built with can be seen."""
+"""The wheel, made by pip and by build: it designs in a venv without the libraries that it was built with."""
 import os
 import pathlib
 import re

@@ -24,7 +24,8 @@ class StopRun(Exception): ...
 class Task:
     __signature__: Signature
     def __init__(self, program: Union[bool, Mapping[str, Any]] = ..., *, title: Optional[str] = ...,
-                 sample_period: Optional[float] = ..., axes: Optional[_Tables] = ..., corners: Optional[_Tables] = ..., modes: Optional[_Tables] = ...,
+                 sample_period: Optional[float] = ..., axes: Optional[_Tables] = ..., corners: Optional[_Tables] = ...,
+                 modes: Optional[_Tables] = ...,
                  filter: Union[Mapping[str, Any], npt.ArrayLike, None] = ...,
                  baseline: Union[Mapping[str, Any], npt.ArrayLike, None] = ...,
                  controller: Optional[Mapping[str, Any]] = ...,

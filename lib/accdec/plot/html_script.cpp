@@ -27,8 +27,8 @@ canvas{display:block;width:100%;height:min(44rem,75vh,100vw);border:1px solid #c
 td.long{white-space:normal;min-width:16rem}
 .stack{display:none}
 .stack svg{display:block;width:100%}
-.tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;border-radius:.25rem;
-  white-space:pre;z-index:2}
+.tip{position:fixed;pointer-events:none;background:#222;color:#fff;font-size:.85rem;padding:.3rem .5rem;
+  border-radius:.25rem;white-space:pre;z-index:2}
 @media (max-width:40rem){body{margin:.5rem auto;padding:0 .6rem}pre{white-space:pre-wrap}
 table:not(.sorts) td,table:not(.sorts) th{white-space:normal;overflow-wrap:anywhere}
 .stacked .wide{height:0;overflow:hidden}.stacked .stack{display:block}
@@ -39,7 +39,8 @@ table.cards,.cards tbody,.cards tr{display:block}.cards thead{display:none}
 .cards td:empty{display:none}
 }
 @media print{body{margin:0;max-width:none}.wide,.tall,pre{overflow:visible;max-height:none}pre{white-space:pre-wrap}
-figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem;white-space:normal}.sorts th{white-space:normal;position:static}
+figure{break-inside:avoid}table{font-size:.7rem}td,th{padding:.15rem .3rem;white-space:normal}
+.sorts th{white-space:normal;position:static}
 .tip,.unprinted{display:none}}
 )css";
 
