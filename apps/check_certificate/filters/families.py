@@ -78,13 +78,33 @@ class Members:
                 yield sums
 
     def poles(self):
-        """Endless exponentials, cut off where less than 1e-4 of the step is left."""
-        yield [1]
-        for tau in self._lengths(0):
-            taps, each = [exact(1)], exponential(Fraction(-1, tau))
-            while taps[-1] * each > Fraction(1, 10**4) * (1 + Fraction(1, 10**10)) and len(taps) <= self.end:
-                taps.append(taps[-1] * each)
-            yield taps
+        """Endless exponentials in series, cut off where less than 1e-4 of the step is left. Equal stages count once."""
+        stages = [[0, *self._lengths(s)] for s in range(whole(self.design.get("stages", 2), 1, 3))]
+
+        def more(s, constants):
+            if s == len(stages):
+                yield self._pole_taps(constants)
+                return
+            for tau in stages[s]:
+                if s and stages[s] == stages[s - 1] and tau > constants[-1]:
+                    break
+                if len(self._pole_taps([*constants, tau]).lo) > self.end:
+                    break
+                yield from more(s + 1, [*constants, tau])
+
+        return more(0, [])
+
+    def _pole_taps(self, constants):
+        """Up to one tap more than the end. A pole passes on what it does not hold until the next sample."""
+        ratios = [exponential(Fraction(-1, tau)) for tau in constants if tau]
+        held, taps, rest = [exact(0)] * len(ratios), [], exact(1)
+        while rest > Fraction(1, 10**4) * (1 + Fraction(1, 10**10)) and len(taps) <= self.end:
+            arrives, rest = exact(0 if taps else 1), exact(0)
+            for s, each in enumerate(ratios):
+                held[s], arrives = (held[s] + arrives) * each, (held[s] + arrives) * (1 - each)
+                rest += held[s]
+            taps.append(arrives)
+        return exact(taps)
 
     def _grid(self, key, default, most, taps, least=1):
         """Orders of the first stage's lengths, with all multiples of a step up to most(order)."""

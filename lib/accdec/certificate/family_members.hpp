@@ -25,6 +25,10 @@ FamilyMember member_of(std::vector<double> taps);
 /// Taps of a family with a length and a real number, in any scale. @param number  SI: time constant, alpha, cut-off
 std::vector<double> grid_taps(SettingFamily family, int order, double number, double period);
 
+/// Taps of endless poles in series, cut off where at most 1e-4 of their step is left, in any scale.
+/// @param constants  samples; 0: off  @param most  the order of longer ones
+std::vector<double> taps_of_poles(const std::vector<int>& constants, int most);
+
 /// Whether a controller's stage takes a length of so many samples.
 bool settable(const SettableStage& stage, int samples, double period);
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <accdec/design/fitted_families.hpp>
-#include <accdec/families/settable_search.hpp>
+#include <accdec/families/poles.hpp>
 
 namespace accdec {
 namespace {

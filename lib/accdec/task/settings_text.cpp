@@ -29,7 +29,8 @@ std::string family_words(const ControllerSettings& settings, SettingFamily famil
     case SettingFamily::taps: return "free taps";
     case SettingFamily::averages:
       return fmt::format("{} average{}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s");
-    case SettingFamily::one_pole: return "one pole";
+    case SettingFamily::one_pole:
+      return settings.stages.size() == 1 ? "one pole" : fmt::format("{} poles", settings.stages.size());
     case SettingFamily::shaper:
       return fmt::format("{} average{} with {}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s",
                          settings.shaper->title);
@@ -183,7 +184,7 @@ std::string settings_in_words(const ChosenSettings& settings) {
   else if (plain.empty())
     text = "no filter";
   else if (settings.family == SettingFamily::one_pole)
-    text = fmt::format("a pole of {}", plain.front());
+    text = plain.size() == 1 ? fmt::format("a pole of {}", plain.front()) : fmt::format("poles of {}", listed(plain));
   else if (plain.size() == 1)
     text = fmt::format("one average of {}", plain.front());
   else

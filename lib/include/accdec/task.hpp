@@ -21,7 +21,7 @@ namespace accdec {
 enum class SettingFamily {
   taps,      ///< any taps
   averages,  ///< moving averages in series
-  one_pole,  ///< an endless exponential, cut off where 1e-4 of the step is left
+  one_pole,  ///< endless exponentials in series, cut off where 1e-4 of their step is left
   shaper,    ///< moving averages in series, with impulses behind them
   // A length and one real number on a grid:
   exponential,   ///< a finite exponential: length and time constant
