@@ -29,7 +29,7 @@ KEYS = {
     "mode": "frequency_Hz damping_ratio residual_max axis residual_max_um",
     "machine": "power_total_max_W regeneration_total_max_W",
     "controller": "name file title parameters parameter_units parameter_unit_ms prefilter_taps position_unit_um delays "
-                  "in_position_of in_position_latency_ms corner_feed_step",
+                  "delay_words in_position_of in_position_latency_ms corner_feed_step",
     "design": "order_min order_max symmetric objective runs coefficient_bits family stages shaper length_step_ms "
               "length_max_ms length_set_ms length_set_2_ms length_set_3_ms time_constant_step_ms "
               "alpha_step cutoff_step_Hz shaper_frequency_step_Hz",

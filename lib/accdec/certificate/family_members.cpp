@@ -61,7 +61,9 @@ struct Echo {
 
 /// Equally far apart, samples. Between two samples an impulse is on both, most on the nearer.
 Echo echo_of(const std::vector<double>& weights, double delay) {
-  Echo echo{.impulses = {}, .words = fmt::format(" with {} impulses {:.9g} samples apart", weights.size(), delay)};
+  Echo echo{.impulses = {},
+            .words = fmt::format(" with {} impulses {:.9g} {} apart", weights.size(), delay,
+                                 delay == 1.0 ? "sample" : "samples")};
   for (std::size_t m = 0; m < weights.size(); ++m) {
     const double at = static_cast<double>(m) * delay, nearest = std::round(at);
     if (std::abs(at - nearest) < 1e-9) {
@@ -106,44 +108,48 @@ bool alike(const SettableStage& a, const SettableStage& b) {
 class Cascades {
  public:
   using Visit = std::function<void(const FamilyMember&, const std::string&)>;
+  using Skip = std::function<bool(const AveragesOutline&)>;
   /// @param echoes  what can be behind the averages, the shortest first
-  Cascades(const Task& task, std::vector<Echo> echoes, int order_end, const Visit& visit)
-      : task_(task), echoes_(std::move(echoes)), order_end_(order_end), visit_(visit) {}
+  Cascades(const Task& task, std::vector<Echo> echoes, int order_end, const Visit& visit, const Skip& skip)
+      : task_(task), echoes_(std::move(echoes)), order_end_(order_end), visit_(visit), skip_(skip) {}
 
-  void run() { stage(0, {1.0}); }
+  void run() { stage(0, 0); }
 
  private:
-  void stage(std::size_t s, const std::vector<double>& taps) {
-    if (s == task_.settings->stages.size()) return echo(taps);
-    const int room = order_end_ - static_cast<int>(taps.size());
+  void stage(std::size_t s, int order) {
+    if (s == task_.settings->stages.size()) return echo(order);
+    const int room = order_end_ - 1 - order;
     for (int length = 1; length - 1 <= room; ++length) {
       // One sample is a stage that is off. Stages that are alike are in any order.
       const SettableStage& stage_here = task_.settings->stages[s];
       if (length > 1 && !settable(stage_here, length, task_.sample_period)) continue;
       if (s > 0 && alike(stage_here, task_.settings->stages[s - 1]) && length > lengths_.back()) break;
       lengths_.push_back(length);
-      stage(s + 1, summed(taps, length));
+      stage(s + 1, order + length - 1);
       lengths_.pop_back();
     }
   }
 
-  void echo(const std::vector<double>& taps) {
+  void echo(int order) {
+    std::vector<double> taps;
     for (const Echo& echo : echoes_) {
-      if (static_cast<int>(taps.size() + echo.order()) > order_end_) return;
-      offer(echo.behind(taps), echo.words);
+      const int all = order + static_cast<int>(echo.order());
+      if (all >= order_end_) return;
+      if (all < task_.design.order_min || (skip_ && skip_({lengths_, echo.impulses}))) continue;
+      if (taps.empty()) {
+        taps = {1.0};
+        for (const int length : lengths_) taps = summed(taps, length);
+      }
+      visit_(member_of(echo.behind(taps)),
+             fmt::format("averages of {} samples{}", fmt::join(lengths_, ", "), echo.words));
     }
-  }
-
-  void offer(const std::vector<double>& taps, const std::string& echo) {
-    const int order = static_cast<int>(taps.size()) - 1;
-    if (order < task_.design.order_min || order >= order_end_) return;
-    visit_(member_of(taps), fmt::format("averages of {} samples{}", fmt::join(lengths_, ", "), echo));
   }
 
   const Task& task_;
   std::vector<Echo> echoes_;
   int order_end_;
   const Visit& visit_;
+  const Skip& skip_;
   std::vector<int> lengths_;
 };
 
@@ -268,12 +274,13 @@ std::vector<double> taps_of_poles(const std::vector<int>& constants, int most) {
 }
 
 void visit_family(const Task& task, SettingFamily family, int order_end,
-                  const std::function<void(const FamilyMember&, const std::string&)>& visit) {
+                  const std::function<void(const FamilyMember&, const std::string&)>& visit,
+                  const std::function<bool(const AveragesOutline&)>& skip) {
   order_end = std::min(order_end, task.design.order_max + 1);
   switch (family) {
     case SettingFamily::taps: return;
-    case SettingFamily::averages: return Cascades(task, {Echo{{{0, 1.0}}, ""}}, order_end, visit).run();
-    case SettingFamily::shaper: return Cascades(task, echoes_of(task, order_end), order_end, visit).run();
+    case SettingFamily::averages: return Cascades(task, {Echo{{{0, 1.0}}, ""}}, order_end, visit, skip).run();
+    case SettingFamily::shaper: return Cascades(task, echoes_of(task, order_end), order_end, visit, skip).run();
     case SettingFamily::one_pole: return PolesInSeries(task, order_end, visit).run();
     case SettingFamily::exponential:
     case SettingFamily::gaussian:

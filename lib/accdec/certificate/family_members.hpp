@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <accdec/task.hpp>
@@ -32,9 +34,17 @@ std::vector<double> taps_of_poles(const std::vector<int>& constants, int most);
 /// Whether a controller's stage takes a length of so many samples.
 bool settable(const SettableStage& stage, int samples, double period);
 
+/// Moving averages in series with impulses behind them, before their taps are made.
+struct AveragesOutline {
+  std::span<const int> lengths;                              ///< samples; 1: off
+  std::span<const std::pair<std::size_t, double>> impulses;  ///< sample and weight, of any sum; one: no shaper
+};
+
 /// Visits every member of a family with an order in the task's bounds and below `order_end`.
 /// @param visit  the member, and what it is in words
+/// @param skip   whether a member is left out; its taps are then never made
 void visit_family(const Task& task, SettingFamily family, int order_end,
-                  const std::function<void(const FamilyMember&, const std::string&)>& visit);
+                  const std::function<void(const FamilyMember&, const std::string&)>& visit,
+                  const std::function<bool(const AveragesOutline&)>& skip = {});
 
 }  // namespace accdec

@@ -189,6 +189,20 @@ void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons
   if (in_position && result.settings->width) InPosition(result).compare_width(*result.settings->width, reasons);
 }
 
+/// Free taps for a control that has no delays of any number of samples.
+void compare_one_kind(const DesignResult& result, std::vector<std::string>& reasons) {
+  const auto& control = result.task.settings;
+  if (!control || control->any_delay() || !result.filter) return;
+  const int apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
+  for (const CornerResult& corner : result.corners) {
+    const bool runs_on = control->names(DelayKind::continuous) && corner.delay == 0,
+               stops = control->names(DelayKind::exact_stop) && corner.delay >= apart &&
+                       corner.delay <= result.filter->order() + 2;
+    if (!runs_on && !stops)
+      reasons.push_back(fmt::format("corner {}: the controller has no delay of {} samples", corner.name, corner.delay));
+  }
+}
+
 }  // namespace
 
 void compare_setting(const Task& task, const ChosenSettings& chosen, const Filter& filter,
@@ -209,6 +223,7 @@ void compare_settings(const DesignResult& result, std::vector<std::string>& reas
     }
   }
   if (!asked) {
+    compare_one_kind(result, reasons);
     if (result.settings || result.family_bound || result.free_taps)
       reasons.push_back("settings are recorded, the task asks for none");
     return;
