@@ -18,6 +18,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
+#include <accdec/plan/result/dialect_words.hpp>
 #include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/figure.hpp>
@@ -102,6 +103,16 @@ void require_delays(const ProgramArguments& options, const Task& task) {
                         "`delays` = \"corner-feed\" lowers the feed at corners, and --feeds keep commands the "
                         "programmed feeds; allowed are --feeds choose, or another kind beside it: continuous, "
                         "exact-stop, in-position, dwell, timed-axis");
+}
+
+/// @throws InputError for a control whose programs nobody knows to write
+void require_words(const ProgramArguments& options, const Task& task) {
+  if (options.emit.empty() || !options.dwell_axis.empty() || !task.settings) return;
+  try {
+    require_dialect(*task.settings);
+  } catch (const std::invalid_argument& why) {
+    throw error_at_controller(options.task, why.what());
+  }
 }
 
 /// Says so where --samples writes more than a gigabyte: about 23 bytes an axis and 12 for the time, every sample.
@@ -221,6 +232,7 @@ void run(ProgramArguments& options, Context& context) {
       {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
   warn(task, options.task, context);
   require_delays(options, task);
+  require_words(options, task);
   require_outputs({options.json, options.delays, options.samples, options.emit, options.figure, options.stream},
                   {options.program, options.task, options.file.tools.table});
   options.file.plan = plan_kind(options.plan);

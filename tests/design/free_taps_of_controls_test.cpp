@@ -1,3 +1,4 @@
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -47,6 +48,36 @@ TEST(FreeTapsOfControls, AreTapsAndDelays) {
   json["answer"] = "Set these: 2 taps.";
   EXPECT_THROW(parse_result(json.dump(), "result"), InputError);
   EXPECT_EQ(settings_answer(design_task(everyday_corner(""))), "") << "nothing is said of a control";
+}
+
+/// An acceleration alone: 100 mm/s over 6 m/s^2 are 16.67 samples, so that 17 taps are the least. An exact stop lasts
+/// 16 samples more, whatever the corner. Without a delay the corner error is v T cos(theta/2) times the mean absolute
+/// deviation of the taps, 17/4 - 1/(4*17) = 4.235 samples.
+TEST(FreeTapsOfControls, AreDesignedForOneKindOfDelay) {
+  const auto designed = [](const std::string& kind, double error) {
+    return design_task(parse_task(
+        fmt::format(
+            "sample_period_ms = 1\n[[axis]]\nname = \"x\"\nacceleration_max_mm_s2 = 6000\n[[axis]]\nname = \"y\"\n"
+            "acceleration_max_mm_s2 = 6000\n[controller]\ndelays = \"{}\"\n[[corner]]\nangle_deg = 90\n"
+            "feed_in_mm_min = 6000\nerror_max_um = {}\n",
+            kind, error),
+        "task"));
+  };
+  const DesignResult stops = designed("exact-stop", 1.0);
+  ASSERT_EQ(stops.status, Status::optimal) << stops.message;
+  EXPECT_NEAR(stops.cycle_time, (17 + 16) * 1e-3, 1e-9);
+  EXPECT_THAT(settings_answer(stops), HasSubstr("exact-stop at corner A. 33 ms a corner, proved best"));
+  EXPECT_THAT(verify_result(parse_result(result_to_json(stops), "result")).reasons, IsEmpty());
+  const double error = 1e6 * 0.1 * 1e-3 * std::sqrt(0.5) * (17.0 / 4.0 - 1.0 / 68.0);
+  const DesignResult runs_on = designed("continuous", 1.001 * error);
+  ASSERT_EQ(runs_on.status, Status::optimal) << runs_on.message;
+  EXPECT_NEAR(runs_on.cycle_time, 17e-3, 1e-9);
+  EXPECT_EQ(runs_on.corners[0].delay, 0);
+  EXPECT_THAT(verify_result(parse_result(result_to_json(runs_on), "result")).reasons, IsEmpty());
+  EXPECT_NE(designed("continuous", 0.8 * error).status, Status::optimal);
+  auto forged = nlohmann::ordered_json::parse(result_to_json(stops));
+  forged["task"]["controller"]["delays"] = "continuous";
+  EXPECT_THROW(parse_result(forged.dump(), "result"), InputError);
 }
 
 /// The filter and its smoothing of 4 taps together are one filter, for which 42 ms are the proved optimum (see

@@ -4,12 +4,12 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include <accdec/design/identify.hpp>
-#include <accdec/families/settable_search.hpp>
 #include <accdec/filter.hpp>
 
 namespace accdec {
@@ -126,6 +126,48 @@ TEST(Identify, FindsTheTimeConstantOfAPole) {
     const Identification found = identify(simulated(taps, {{0.03, 0.01, 400, 0}}, 1e-6, 3), task_of());
     EXPECT_EQ(found.fits.front().family, SettingFamily::one_pole) << constant;
     EXPECT_NEAR(found.fits.front().time_constant, constant * period, 0.01 * constant * period);
+  }
+}
+
+/// Endless poles in series, by the sums of one behind the other.
+std::vector<double> two_poles(double first, double second) {
+  std::vector<double> taps;
+  double one = 1.0, two = 0.0;
+  const double a = std::exp(-1.0 / first), b = std::exp(-1.0 / second);
+  for (int i = 0; i < 40 * first; ++i, one *= a) two = b * two + (1.0 - a) * (1.0 - b) * one, taps.push_back(two);
+  return taps;
+}
+
+/// No other family has their shape: a finite exponential left 2.67 um at 0.1 um of noise.
+TEST(Identify, FindsTwoPolesInSeries) {
+  for (const auto& [first, second] : {std::pair(8.0, 5.0), std::pair(6.0, 6.0), std::pair(12.0, 4.0)}) {
+    const Identification found =
+        identify(simulated(two_poles(first, second), {{0.03, 0.0, 400, 0}}, 1e-7, 3), task_of());
+    const FittedFilter& best = found.fits.front();
+    ASSERT_EQ(best.family, SettingFamily::one_pole) << first << " " << second;
+    EXPECT_LT(best.rms, 1.3e-7);
+    EXPECT_NEAR(best.time_constant + best.second_constant, (first + second) * period, 0.01 * (first + second) * period);
+    EXPECT_NEAR(best.time_constant, first * period, 0.15 * first * period);
+    EXPECT_NEAR(found.log_noise, 1e-7, 2e-8);
+  }
+}
+
+/// Three poles are no family: what fits them to within many times the noise is not named.
+TEST(Identify, NamesNoFamilyThatLeavesFarMoreThanTheNoise) {
+  std::vector<double> taps = two_poles(7.0, 7.0);
+  const double c = std::exp(-1.0 / 7.0);
+  double sum = 0.0;
+  for (double& tap : taps) tap = sum = c * sum + (1.0 - c) * tap;
+  const Identification found = identify(simulated(taps, {{0.03, 0.0, 400, 0}}, 1e-7, 3), task_of());
+  EXPECT_EQ(found.fits.front().family, SettingFamily::taps) << found.fits.front().rms;
+}
+
+/// The taps of LinuxCNC's interpolator, in logs with noise of half a thousandth of a sample's way.
+TEST(Identify, NamesNoGaussianForFourTaps) {
+  const std::vector<double> taps{1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const Identification found = identify(simulated(taps, straight_legs, 5e-8, seed), task_of());
+    EXPECT_EQ(found.fits.front().family, SettingFamily::taps) << seed << ": " << found.fits.front().rms;
   }
 }
 

@@ -301,6 +301,21 @@ inline std::vector<std::vector<double>> with_numbers(const Task& task, int lengt
   }
 }
 
+/// Two endless poles in series, or one if the other is 0, cut off where 1e-4 of the step is left. Their taps are by the
+/// formula: (1 - a) (1 - b) (a^(i+1) - b^(i+1)) / (a - b), or (1 - a)^2 (i + 1) a^i.
+inline std::vector<double> poles(int one, int other, int order_max) {
+  const auto ratio = [](int tau) { return tau > 0 ? std::exp(-1.0 / tau) : 0.0; };
+  const double a = ratio(one), b = ratio(other);
+  std::vector<double> taps;
+  double left = 1.0;
+  for (int i = 0; left > 1.0000001e-4 && i <= order_max + 1; ++i) {
+    const double tap = one == other ? (1.0 - a) * (1.0 - a) * (i + 1.0) * std::pow(a, i)
+                                    : (1.0 - a) * (1.0 - b) * (std::pow(a, i + 1) - std::pow(b, i + 1)) / (a - b);
+    taps.push_back(tap), left -= tap;
+  }
+  return divided_by_sum(taps);
+}
+
 /// The least cost of all members of the task's one family.
 inline double brute_force(const Task& task) {
   const ControllerSettings& settings = *task.settings;
@@ -318,13 +333,10 @@ inline double brute_force(const Task& task) {
     if (order >= task.design.order_min && order <= task.design.order_max) best = std::min(best, cheapest(task, taps));
   };
   if (settings.families.front() == SettingFamily::one_pole) {
-    for (const int tau : lengths) {
-      const int taps = static_cast<int>(std::ceil(std::log(1e4) * tau));
-      std::vector<double> pole;
-      double sum = 0.0;
-      for (int i = 0; i < taps; ++i) pole.push_back(std::exp(-static_cast<double>(i) / tau)), sum += pole.back();
-      for (double& tap : pole) tap /= sum;
-      if (taps - 1 <= task.design.order_max) offer(pole);
+    lengths.insert(lengths.begin(), 0);
+    for (const int one : lengths) {
+      for (const int other : settings.stages.size() > 1 ? lengths : std::vector{0})
+        offer(poles(one, other, task.design.order_max));
     }
     return best;
   }

@@ -135,6 +135,9 @@ TEST(Settings, OfPolesAndShapersAreTheBestOfAllByBruteForce) {
   for (int i = 0; i < 6; ++i) {
     const std::vector<DelayKind> delays = i % 2 == 0 ? std::vector<DelayKind>{} : std::vector{DelayKind::in_position};
     expect_as_brute_force(settable(rng, SettingFamily::one_pole, delays, 2, 120), "pole " + std::to_string(i));
+    Task two = settable(rng, SettingFamily::one_pole, delays, 2, 120);
+    two.settings->stages.resize(2, two.settings->stages.front());
+    expect_as_brute_force(two, "two poles " + std::to_string(i));
     for (int j = 0; j < 2; ++j)
       expect_as_brute_force(settable(rng, SettingFamily::shaper, delays, 1, 18), "shaper " + std::to_string(i));
   }

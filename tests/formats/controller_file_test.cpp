@@ -249,6 +249,26 @@ TEST(Controllers, MalformedFiles) {
   EXPECT_THAT(message(std::string(own).substr(0, std::string(own).find("[[source]]"))),
               HasSubstr("nothing counts as a fact without one"));
   EXPECT_THAT(message(changed("where = \"own measurement\"", "")), HasSubstr("where"));
+  EXPECT_THAT(message(changed("delays = \"in-position\"", "delays = [\"exact-stop\", \"exact-stop\"]")),
+              HasSubstr("mine.toml:3:25: `delays` names \"exact-stop\" twice"));
+  EXPECT_THAT(message(changed("delays = \"in-position\"", "delays = \"in-position\"\ndelay_words = [\"G9\", \"G60\"]")),
+              HasSubstr("`delay_words` has 2 for 1 kinds"));
+  EXPECT_THAT(message(std::string(own) + "[dialect]\ncomment = \";\"\n"), HasSubstr("goes with `delay_words`"));
+}
+
+TEST(Controllers, SayHowTheirProgramsAreWritten) {
+  const std::string name = "name = \"sinumerik-840d\"\n";
+  const ControllerSettings siemens = settings_in(task_text(name));
+  EXPECT_EQ(siemens.word_of(DelayKind::in_position), "G9 G602");
+  EXPECT_EQ(siemens.word_of(DelayKind::dwell), "");
+  ASSERT_TRUE(siemens.dialect);
+  EXPECT_EQ(siemens.dialect->metric, "G710");
+  EXPECT_THAT(settings_in(task_text(name + "delays = \"exact-stop\"")).delay_words, ElementsAre("G9 G601"));
+  EXPECT_THAT(settings_in(task_text(name + "delays = \"exact-stop\"\ndelay_words = \"G9\"")).delay_words,
+              ElementsAre("G9"));
+  const Task task = parse_task(task_text(name), "task.toml");
+  EXPECT_EQ(parse_task(task_to_toml(task), "again.toml").settings->delay_words, siemens.delay_words);
+  EXPECT_FALSE(settings_in(task_text("name = \"fanuc-0i\"")).dialect);
 }
 
 }  // namespace

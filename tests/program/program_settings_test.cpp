@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -157,14 +159,14 @@ TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
   const nlohmann::json record = nlohmann::json::parse(read("r.json"));
   EXPECT_GE(record["settings"]["free_taps_s"].get<double>(), record["lower_bound_s"].get<double>());
   EXPECT_THAT(read("r.html"), HasSubstr("Set these: MD32410"));
-  EXPECT_THAT(read("e.ngc"), HasSubstr("(set these: MD32410"));
+  EXPECT_THAT(read("e.ngc"), HasSubstr("; set these: MD32410"));
   EXPECT_EQ(read("e.ngc").find("\nG4 "), std::string::npos) << "the control has no dwells";
   const Output verified = run("verify r.json");
   EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
   // Another width gives other delays.
   std::string text = read("r.json");
   if (const std::size_t at = text.find("\"width_m\":"); at != std::string::npos) {
-    EXPECT_THAT(read("e.ngc"), HasSubstr("G9 G1"));
+    EXPECT_THAT(read("e.ngc"), HasSubstr(" G9 G602\n"));
     for (const char* name : {"\"width_m\":", "\"width_low_m\":", "\"width_high_m\":"}) {
       const std::size_t value = text.find(name) + std::string(name).size();
       const double number = std::stod(text.substr(value));
@@ -173,6 +175,81 @@ TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
     write("forged.json", text);
     EXPECT_EQ(run("verify forged.json").code, 2);  // the answer says another one
   }
+}
+
+/// The words of the lines that move, each with what stands behind its coordinates and feed.
+std::vector<std::string> words_behind_moves(const std::string& program) {
+  std::vector<std::string> found;
+  std::istringstream lines(program);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("G1 ") && !line.starts_with("G0 ")) continue;
+    std::string behind;
+    std::istringstream words(line);
+    for (std::string word; words >> word;) {
+      const bool own = word.starts_with("G9") || word.starts_with("G60");
+      if (own) behind += (behind.empty() ? "" : " ") + word;
+    }
+    found.push_back(behind);
+  }
+  return found;
+}
+
+/// The joints of the plan and the words of the program say the same, in the control's own language.
+TEST_F(ProgramCommand, AProgramIsWrittenAsItsControlReadsIt) {
+  write("part.ngc", "G21 G90 G64 P0.02\nG1 X30 F3000 (first)\nY30\nG61.1\nX10\nG64 P0.02\nM8\nY10\nX0\nM30\n");
+  struct Language {
+    std::string name, begin, remark, stop, wait;
+  };
+  for (const Language& language :
+       {Language{"sinumerik-840d", "G710 G17 G90 G94\nG64\n", "; set these: ", "G9 G601", ""},
+        Language{"beckhoff-tf5200", "G71 G17 G90 G94\nG359\n", "(set these: ", "G60", "\nG04 0."}}) {
+    write("control.toml", std::string(test::corner_machine) + "[controller]\nname = \"" + language.name +
+                              "\"\n[design]\nlength_max_ms = 40\n");
+    ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json --emit e.ngc").code, 0)
+        << read("err");
+    const std::string text = read("e.ngc");
+    EXPECT_THAT(text, HasSubstr(language.begin)) << language.name;
+    EXPECT_THAT(text, HasSubstr(language.remark)) << language.name;
+    for (const char* foreign : {"G21", "G61.1", "G64 P", "G4 P"})
+      EXPECT_EQ(text.find(foreign), std::string::npos) << foreign;
+    EXPECT_EQ(text.find(language.remark.front() == ';' ? "(" : ";"), std::string::npos) << text;
+    EXPECT_THAT(text, HasSubstr("\nM8\n"));
+    EXPECT_EQ(text.find("\nG04 ") != std::string::npos, !language.wait.empty()) << text;
+    const auto kinds = nlohmann::json::parse(read("r.json"))["settings"]["delays"];
+    const std::vector<std::string> words = words_behind_moves(text);
+    ASSERT_EQ(words.size(), kinds.size()) << text;
+    for (std::size_t b = 0; b + 1 < words.size(); ++b) {
+      const std::string in_position = language.name == "beckhoff-tf5200" ? "G60" : "G9 G602";
+      const std::string expected = kinds[b] == "continuous"    ? ""
+                                   : kinds[b] == "in-position" ? in_position
+                                                               : language.stop;
+      EXPECT_EQ(words[b], expected) << language.name << ", move " << b << " of\n" << text;
+    }
+  }
+}
+
+TEST_F(ProgramCommand, ALanguageWithoutASourceIsRefusedByName) {
+  write("part.ngc", test::corner_program);
+  write("control.toml", std::string(test::corner_machine) + "[controller]\nname = \"fanuc-0i\"\n");
+  const Output refused = run("program part.ngc --feeds keep --task control.toml --json r.json --emit e.ngc");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--emit: no source says which words FANUC Series 0i"));
+  EXPECT_THAT(refused.err, HasSubstr("control.toml:"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("e.ngc")) || std::filesystem::exists(folder_.path("r.json")));
+}
+
+TEST_F(ProgramCommand, AControlThatTakesTapsIsToldToSetThem) {
+  write("part.ngc", test::corner_program);
+  write("control.toml", std::string(test::corner_machine) + "[controller]\nname = \"linuxcnc\"\n");
+  ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json --figure r.html").code, 0)
+      << read("err");
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
+  const std::string answer =
+      fmt::format("Set these: the {} taps that `accdec export` writes", record["filter"]["taps"].size());
+  EXPECT_EQ(read("out").find(answer), 0U) << read("out");
+  EXPECT_THAT(read("r.html"), HasSubstr("Set these: the "));
+  EXPECT_EQ(record["answer"].get<std::string>().find(answer), 0U);
+  EXPECT_EQ(run("verify r.json").code, 0);
 }
 
 /// Way over feed bounds the time of any taps. The answer in words is forged with the number, so that only the bound

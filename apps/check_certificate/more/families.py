@@ -81,13 +81,34 @@ def shaped(members):
 
 
 def poles(members):
-    """Endless exponentials, cut off where less than 1e-4 of the step is left."""
-    yield [1]
-    for tau in members.lengths():
-        taps, each = [exact(1)], exponential(Fraction(-1, tau))
-        while taps[-1] * each > Fraction(1, 10**4) * (1 + Fraction(1, 10**10)) and len(taps) <= members.end:
-            taps.append(taps[-1] * each)
-        yield taps
+    """Endless exponentials in series, cut off where less than 1e-4 of the step is left. Equal stages count once."""
+    stages = [[0, *members.lengths(s)] for s in range(whole(members.design.get("stages", 2), 1, 3))]
+
+    def more(s, constants):
+        if s == len(stages):
+            yield pole_taps(members, constants)
+            return
+        for tau in stages[s]:
+            if s and stages[s] == stages[s - 1] and tau > constants[-1]:
+                break
+            if len(pole_taps(members, [*constants, tau]).lo) > members.end:
+                break
+            yield from more(s + 1, [*constants, tau])
+
+    return more(0, [])
+
+
+def pole_taps(members, constants):
+    """Up to one tap more than the end. A pole passes on what it does not hold until the next sample."""
+    ratios = [exponential(Fraction(-1, tau)) for tau in constants if tau]
+    held, taps, rest = [exact(0)] * len(ratios), [], exact(1)
+    while rest > Fraction(1, 10**4) * (1 + Fraction(1, 10**10)) and len(taps) <= members.end:
+        arrives, rest = exact(0 if taps else 1), exact(0)
+        for s, each in enumerate(ratios):
+            held[s], arrives = (held[s] + arrives) * each, (held[s] + arrives) * (1 - each)
+            rest += held[s]
+        taps.append(arrives)
+    return exact(taps)
 
 
 def exponentials(members):

@@ -32,7 +32,7 @@ py::dict filter_dict(const FilterSpec& spec) {
 py::dict fit_dict(const FittedFilter& fit) {
   return py::dict(py::arg("family") = std::string(to_string(fit.family)), py::arg("filter") = filter_dict(fit.filter),
                   py::arg("rms") = fit.rms, py::arg("sigmas") = fit.sigmas, py::arg("likelihood") = fit.likelihood,
-                  py::arg("time_constant") = fit.time_constant);
+                  py::arg("time_constant") = fit.time_constant, py::arg("second_constant") = fit.second_constant);
 }
 
 py::dict found_dict(const Identification& found, const MotionLog& log) {

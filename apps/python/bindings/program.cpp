@@ -236,6 +236,8 @@ settings : dict or None
     If the task names families, the values to enter in its controller: family, values, answer (in words), and delays:
     the kind at the end of every commanded move. width, width_low and width_high (m) are None if no corner is
     in-position.
+answer : str
+    What to set, for a task that names families, or a control that takes the taps. Empty for others.
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
@@ -271,6 +273,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("lines", view_of(&Toolpath::line))
       .def_property_readonly("durations", view_of(&Toolpath::duration))
       .def_property_readonly("settings", &settings)
+      .def_property_readonly("answer", &program_answer)
       .def_property_readonly("servo", &servo)
       .def(
           "to_json", [](const Program& r) { return program_to_json(r); }, json_doc)

@@ -61,7 +61,9 @@ struct Echo {
 
 /// Equally far apart, samples. Between two samples an impulse is on both, most on the nearer.
 Echo echo_of(const std::vector<double>& weights, double delay) {
-  Echo echo{.impulses = {}, .words = fmt::format(" with {} impulses {:.9g} samples apart", weights.size(), delay)};
+  Echo echo{.impulses = {},
+            .words = fmt::format(" with {} impulses {:.9g} {} apart", weights.size(), delay,
+                                 delay == 1.0 ? "sample" : "samples")};
   for (std::size_t m = 0; m < weights.size(); ++m) {
     const double at = static_cast<double>(m) * delay, nearest = std::round(at);
     if (std::abs(at - nearest) < 1e-9) {
@@ -99,68 +101,91 @@ std::vector<Echo> echoes_of(const Task& task, int order_end) {
   return echoes;
 }
 
+bool alike(const SettableStage& a, const SettableStage& b) {
+  return a.length_step == b.length_step && a.length_max == b.length_max && a.length_set == b.length_set;
+}
+
 class Cascades {
  public:
   using Visit = std::function<void(const FamilyMember&, const std::string&)>;
+  using Skip = std::function<bool(const AveragesOutline&)>;
   /// @param echoes  what can be behind the averages, the shortest first
-  Cascades(const Task& task, std::vector<Echo> echoes, int order_end, const Visit& visit)
-      : task_(task), echoes_(std::move(echoes)), order_end_(order_end), visit_(visit) {}
+  Cascades(const Task& task, std::vector<Echo> echoes, int order_end, const Visit& visit, const Skip& skip)
+      : task_(task), echoes_(std::move(echoes)), order_end_(order_end), visit_(visit), skip_(skip) {}
 
-  void run() { stage(0, {1.0}); }
+  void run() { stage(0, 0); }
 
  private:
-  void stage(std::size_t s, const std::vector<double>& taps) {
-    if (s == task_.settings->stages.size()) return echo(taps);
-    const int room = order_end_ - static_cast<int>(taps.size());
+  void stage(std::size_t s, int order) {
+    if (s == task_.settings->stages.size()) return echo(order);
+    const int room = order_end_ - 1 - order;
     for (int length = 1; length - 1 <= room; ++length) {
       // One sample is a stage that is off. Stages that are alike are in any order.
       const SettableStage& stage_here = task_.settings->stages[s];
       if (length > 1 && !settable(stage_here, length, task_.sample_period)) continue;
       if (s > 0 && alike(stage_here, task_.settings->stages[s - 1]) && length > lengths_.back()) break;
       lengths_.push_back(length);
-      stage(s + 1, summed(taps, length));
+      stage(s + 1, order + length - 1);
       lengths_.pop_back();
     }
   }
 
-  static bool alike(const SettableStage& a, const SettableStage& b) {
-    return a.length_step == b.length_step && a.length_max == b.length_max && a.length_set == b.length_set;
-  }
-
-  void echo(const std::vector<double>& taps) {
+  void echo(int order) {
+    std::vector<double> taps;
     for (const Echo& echo : echoes_) {
-      if (static_cast<int>(taps.size() + echo.order()) > order_end_) return;
-      offer(echo.behind(taps), echo.words);
+      const int all = order + static_cast<int>(echo.order());
+      if (all >= order_end_) return;
+      if (all < task_.design.order_min || (skip_ && skip_({lengths_, echo.impulses}))) continue;
+      if (taps.empty()) {
+        taps = {1.0};
+        for (const int length : lengths_) taps = summed(taps, length);
+      }
+      visit_(member_of(echo.behind(taps)),
+             fmt::format("averages of {} samples{}", fmt::join(lengths_, ", "), echo.words));
     }
-  }
-
-  void offer(const std::vector<double>& taps, const std::string& echo) {
-    const int order = static_cast<int>(taps.size()) - 1;
-    if (order < task_.design.order_min || order >= order_end_) return;
-    visit_(member_of(taps), fmt::format("averages of {} samples{}", fmt::join(lengths_, ", "), echo));
   }
 
   const Task& task_;
   std::vector<Echo> echoes_;
   int order_end_;
   const Visit& visit_;
+  const Skip& skip_;
   std::vector<int> lengths_;
 };
 
-/// Endless exponentials, cut off where less than 1e-4 of the step is left.
-void visit_poles(const Task& task, int order_end, const Cascades::Visit& visit) {
-  if (task.design.order_min <= 0 && order_end > 0) visit(member_of({1.0}), "no pole");
-  for (int tau = 1; tau <= order_end; ++tau) {
-    if (!settable(task.settings->stages.front(), tau, task.sample_period)) continue;
-    std::vector<double> taps;
-    // Less the rounding of the exponential, so that an exact 1e-4 ends here as it does by the logarithm.
-    for (int i = 0; i == 0 || std::exp(-static_cast<double>(i) / tau) > 1e-4 * (1.0 + 1e-10); ++i)
-      taps.push_back(std::exp(-static_cast<double>(i) / tau));
-    const int order = static_cast<int>(taps.size()) - 1;
-    if (order >= order_end) return;
-    if (order >= task.design.order_min) visit(member_of(std::move(taps)), fmt::format("a pole of {} samples", tau));
+/// Poles in series: of every stage its constants, equal stages with falling ones.
+class PolesInSeries {
+ public:
+  PolesInSeries(const Task& task, int order_end, const Cascades::Visit& visit)
+      : task_(task), order_end_(order_end), visit_(visit) {}
+
+  void run() { stage(0, {1.0}); }
+
+ private:
+  void stage(std::size_t s, const std::vector<double>& taps) {
+    const auto& stages = task_.settings->stages;
+    if (s == stages.size()) {
+      if (static_cast<int>(taps.size()) > task_.design.order_min && static_cast<int>(taps.size()) <= order_end_)
+        visit_(member_of(taps), fmt::format("poles of {} samples", fmt::join(constants_, ", ")));
+      return;
+    }
+    for (int constant = 0; constant <= order_end_; ++constant) {
+      if (constant > 0 && !settable(stages[s], constant, task_.sample_period)) continue;
+      if (s > 0 && alike(stages[s], stages[s - 1]) && constant > constants_.back()) return;
+      constants_.push_back(constant);
+      const std::vector<double> longer = constant > 0 ? taps_of_poles(constants_, order_end_) : taps;
+      const bool fits = static_cast<int>(longer.size()) <= order_end_;
+      if (fits) stage(s + 1, longer);
+      constants_.pop_back();
+      if (!fits) return;
+    }
   }
-}
+
+  const Task& task_;
+  int order_end_;
+  const Cascades::Visit& visit_;
+  std::vector<int> constants_;
+};
 
 /// The numbers that a task's grid has for a family, in the order of their size: multiples of its step up to its end.
 std::vector<double> numbers_of(const Task& task, SettingFamily family, int order) {
@@ -225,14 +250,38 @@ std::vector<double> grid_taps(SettingFamily family, int order, double number, do
   return taps;
 }
 
+std::vector<double> taps_of_poles(const std::vector<int>& constants, int most) {
+  // The rest of the step: what each pole still holds, in the order of the poles. Its rounding is added, so that an
+  // exact 1e-4 ends here as it does by the logarithm.
+  std::vector<double> held, taps;
+  for (const int constant : constants) {
+    if (constant > 0) held.push_back(0.0);
+  }
+  if (held.empty()) return {1.0};
+  double rest = 1.0;
+  for (int i = 0; rest > 1e-4 * (1.0 + 1e-10) && i <= most; ++i) {
+    double arrives = i == 0 ? 1.0 : 0.0;
+    std::size_t s = 0;
+    rest = 0.0;
+    for (const int constant : constants) {
+      if (constant <= 0) continue;
+      const double all = held[s] + arrives, stays = all * std::exp(-1.0 / constant);
+      held[s++] = stays, arrives = -all * std::expm1(-1.0 / constant), rest += stays;
+    }
+    taps.push_back(arrives);
+  }
+  return taps;
+}
+
 void visit_family(const Task& task, SettingFamily family, int order_end,
-                  const std::function<void(const FamilyMember&, const std::string&)>& visit) {
+                  const std::function<void(const FamilyMember&, const std::string&)>& visit,
+                  const std::function<bool(const AveragesOutline&)>& skip) {
   order_end = std::min(order_end, task.design.order_max + 1);
   switch (family) {
     case SettingFamily::taps: return;
-    case SettingFamily::averages: return Cascades(task, {Echo{{{0, 1.0}}, ""}}, order_end, visit).run();
-    case SettingFamily::shaper: return Cascades(task, echoes_of(task, order_end), order_end, visit).run();
-    case SettingFamily::one_pole: return visit_poles(task, order_end, visit);
+    case SettingFamily::averages: return Cascades(task, {Echo{{{0, 1.0}}, ""}}, order_end, visit, skip).run();
+    case SettingFamily::shaper: return Cascades(task, echoes_of(task, order_end), order_end, visit, skip).run();
+    case SettingFamily::one_pole: return PolesInSeries(task, order_end, visit).run();
     case SettingFamily::exponential:
     case SettingFamily::gaussian:
     case SettingFamily::windowed_sinc: return visit_grid(task, family, order_end, visit);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <accdec/design/fitted_families.hpp>
-#include <accdec/families/settable_search.hpp>
+#include <accdec/families/poles.hpp>
 
 namespace accdec {
 namespace {
@@ -79,6 +79,7 @@ class FamilyFits {
       const double variance = variance_of(best().fitted.filter);
       keep(most_averages);
       pole();
+      two_poles();
       for (const OfTwoNumbers& family : of_two_numbers) scan(family, variance);
       shapers(variance);
       keep(most_others);
@@ -156,6 +157,29 @@ class FamilyFits {
     const double constant = golden_least(squares, near / step, near * step);
     offer(SettingFamily::one_pole, cut_pole(constant), 1);
     tried_.back().fitted.time_constant = constant * period_;
+    keep(1);
+  }
+
+  /// Two poles in series by their sum and the part of the longer one: the log shows the sum far better.
+  void two_poles() {
+    const auto filter = [](double sum, double part) { return cut_poles({part * sum, (1.0 - part) * sum}); };
+    const auto squares = [&](double sum, double part) { return squares_of(filter(sum, part), 1); };
+    double sum = 1.0, part = 0.5, least = std::numeric_limits<double>::infinity();
+    constexpr double step = 1.05;
+    const std::array parts{0.5, 0.6, 0.7, 0.8, 0.9, 0.96};
+    for (double at = 0.6; filter(at, 0.5).order <= pole_order_max_; at *= step) {
+      for (const double p : parts) {
+        if (const double found = squares(at, p); found < least) least = found, sum = at, part = p;
+      }
+    }
+    double wide = step;
+    for (int round = 0; round < 4; ++round, wide = std::sqrt(wide)) {
+      part = golden_least([&](double p) { return squares(sum, p); }, 0.5, 0.98);
+      sum = golden_least([&](double at) { return squares(at, part); }, sum / wide, sum * wide);
+    }
+    offer(SettingFamily::one_pole, filter(sum, part), 2);
+    tried_.back().fitted.time_constant = part * sum * period_;
+    tried_.back().fitted.second_constant = (1.0 - part) * sum * period_;
     keep(1);
   }
 

@@ -68,13 +68,22 @@ class Identifier {
                      [](const FamilyFit& a, const FamilyFit& b) { return a.squares < b.squares; });
   }
   double best_rms() const { return rms(all_.front().squares, 1); }
+  /// m: what neither family nor taps need explain.
+  double rounding() const { return noise_least + model_part * command_.step; }
+  double noise() const { return std::max(command_.noise, options_.noise.value_or(0.0)); }
+  /// Free taps explain more by chance: of as many numbers as they have more, each about the noise's square. Several
+  /// standard deviations beyond that, the family is not the log's. Nor is it where it leaves far more than the noise.
   bool fits_as_well_as_taps() const {
-    const double more = noise_least + model_part * command_.step + options_.noise.value_or(0.0);
-    return best_rms() <= noise_more * taps_.rms + more;
+    constexpr double far_more = 3.0, deviations = 6.0;
+    const double numbers = taps_.parameters, values = static_cast<double>(window_.values());
+    const double least = std::max(taps_.rms, options_.noise.value_or(0.0));
+    const double chance = (2.0 * numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
+    return best_rms() <= noise_more * least + rounding() && best_rms() <= far_more * noise() + rounding() &&
+           all_.front().squares <= taps_squares_ + chance + values * rounding() * rounding();
   }
   double least_squares() const {
-    const double rounding = noise_least * noise_least * static_cast<double>(window_.values());
-    return std::max(rounding, std::min(taps_squares_, all_.front().squares));
+    const double least = noise_least * noise_least * static_cast<double>(window_.values());
+    return std::max(least, std::min(taps_squares_, all_.front().squares));
   }
 
   void require_believable() const {
@@ -138,6 +147,7 @@ class Identifier {
   Identification answer() {
     Identification result;
     result.taps = taps_;
+    result.log_noise = command_.noise;
     const double best = best_rms();
     if (std::min(best, taps_.rms) > unexplained * command_.step)
       throw std::invalid_argument(

@@ -13,11 +13,12 @@ namespace accdec {
 struct FittedFilter {
   SettingFamily family = SettingFamily::averages;
   FilterSpec filter{};
-  int parameters = 1;          ///< numbers that were fitted: stages, 1 for a pole, taps ..
-  double rms = 0.0;            ///< m, of the differences between log and fit
-  double sigmas = 0.0;         ///< by how many standard deviations of the noise the best fits better
-  double likelihood = 0.0;     ///< share among all members that were looked at, 0 .. 1; 0 for taps
-  double time_constant = 0.0;  ///< s, of a pole or a finite exponential
+  int parameters = 1;            ///< numbers that were fitted: stages, 1 for a pole, taps ..
+  double rms = 0.0;              ///< m, of the differences between log and fit
+  double sigmas = 0.0;           ///< by how many standard deviations of the noise the best fits better
+  double likelihood = 0.0;       ///< share among all members that were looked at, 0 .. 1; 0 for taps
+  double time_constant = 0.0;    ///< s, of a pole or a finite exponential
+  double second_constant = 0.0;  ///< s, of a second pole in series; 0: there is none
 };
 
 /// The command that was found in a log, straight moves at constant feeds from rest to rest.
@@ -32,6 +33,7 @@ struct Identification {
   std::vector<FittedFilter> fits;             ///< those that fit, the most likely first; never empty
   FittedFilter taps;                          ///< any taps, as good as the log shows them
   double noise = 0.0;                         ///< m, standard deviation, as given or found
+  double log_noise = 0.0;                     ///< m, as the log shows it at rest and at constant speed
   std::vector<LoggedMove> moves;              ///< one, or both legs of a corner; of the first fit
   std::vector<std::vector<double>> modelled;  ///< m, by axis and sample, of the first fit
 };
@@ -46,11 +48,12 @@ struct IdentifyOptions {
 /// one feed, or two with a rest between them. Its samples, feeds and place follow from the parts of the log at constant
 /// speed; its length and place are fitted with every filter. The last sample of a leg may move less than the others, if
 /// the log fits much better so. All families of settings are looked at, whatever the task names. They are one to three
-/// averages of every length, an endless pole, finite exponentials, Gaussians, windowed sincs, and up to two averages
-/// with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every number that a
-/// family has more must explain more. Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit too
-/// many families. If nothing fits as well as free taps do, up to a third more noise, taps are the answer. The task's
-/// `prefilter_taps` stand behind every filter: what is found is the filter in front of them.
+/// averages of every length, one or two endless poles, finite exponentials, Gaussians, windowed sincs, and up to two
+/// averages with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every number
+/// that a family has more must explain more. Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit
+/// too many families. Taps are the answer if they fit better than chance explains. They are also if the best family
+/// leaves far more than the noise, as the log shows it at rest and at constant speed. The task's `prefilter_taps` stand
+/// behind every filter: what is found is the filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine

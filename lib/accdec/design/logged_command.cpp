@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -38,6 +39,7 @@ class Finder {
     if (corner < 0) {
       const Steady whole = steady(first_, last_);
       add(found, whole, start_, end_);
+      found.noise = noise_in({whole});
       found.longest_ramp = std::max(whole.first - first_, last_ - whole.last);
       return found;
     }
@@ -45,6 +47,7 @@ class Finder {
     const Eigen::VectorXd meet = meeting(in, out);
     add(found, in, start_, meet);
     add(found, out, meet, end_);
+    found.noise = noise_in({in, out});
     found.longest_ramp = std::max({in.first - first_, out.first - in.last, last_ - out.last});
     return found;
   }
@@ -148,6 +151,22 @@ class Finder {
     for (int k = 0; k < count; ++k)
       worst = std::max(worst, (block.col(k) - part.from - (part.first + k) * part.speed).norm());
     return part.speed.norm() > 0.0 && worst <= std::max(threshold_, steady_part * part.speed.norm());
+  }
+
+  /// m. Differences do not see a filter's slow end: first ones at rest, second ones at constant speed.
+  double noise_in(const std::vector<Steady>& parts) const {
+    double at_rest = 0.0, steady = 0.0;
+    long rests = 0, steadies = 0;
+    for (Eigen::Index k = 1; k < at_.cols(); ++k) {
+      if (k > first_ && k <= last_) continue;
+      at_rest += (at_.col(k) - at_.col(k - 1)).squaredNorm(), rests += axes_;
+    }
+    for (const Steady& part : parts) {
+      for (int k = part.first + 1; k < part.last; ++k)
+        steady += (at_.col(k + 1) - 2.0 * at_.col(k) + at_.col(k - 1)).squaredNorm(), steadies += axes_;
+    }
+    return std::sqrt(std::max(at_rest / (2.0 * static_cast<double>(std::max(1L, rests))),
+                              steady / (6.0 * static_cast<double>(std::max(1L, steadies)))));
   }
 
   [[noreturn]] static void too_short(int from, int to) {

@@ -22,6 +22,8 @@ struct LoggedCommand {
   int moving_first = 0, moving_last = 0;  ///< samples between which the axes move
   double step = 0.0;                      ///< m, of a sample of the faster leg
   int longest_ramp = 0;                   ///< samples from rest to constant speed or back, at most
+  /// m, standard deviation of the positions of an axis, as differences show it at rest and at constant speed
+  double noise = 0.0;
 };
 
 /// @throws std::invalid_argument as `identify`

@@ -56,14 +56,15 @@ std::vector<double> taps_of_number(const Task& task, const ChosenSettings& chose
   return {filter.taps().begin(), filter.taps().end()};
 }
 
-/// The filter that the values to enter make.
-std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chosen) {
+/// The filter that the values to enter make. @param filter_order  longer poles end there
+std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chosen, int filter_order) {
   const auto& stages = task.settings->stages;
   if (chosen.values.empty()) return {};
   if (chosen.family == SettingFamily::exponential || chosen.family == SettingFamily::gaussian ||
       chosen.family == SettingFamily::windowed_sinc)
     return taps_of_number(task, chosen);
   FilterSpec spec{.kind = Shape::averages};
+  std::vector<int> constants;  // of poles; 0: off
   std::size_t s = 0;
   for (const Setting& setting : chosen.values) {
     if (setting.unit == "Hz") {
@@ -79,12 +80,14 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
     if (s >= stages.size()) return {};
     if (setting.name != stages[s].name || setting.unit != stages[s].unit) return {};
     const long length = samples_of(setting, stages[s].unit_seconds, task.sample_period);
-    // 0 or 1 sample: the stage is off.
-    if (length < 0 || (length > 1 && !settable(stages[s], static_cast<int>(length), task.sample_period))) return {};
+    // 0 samples, or an average of 1: the stage is off.
+    const int off = chosen.family == SettingFamily::one_pole ? 0 : 1;
+    if (length < 0 || (length > off && !settable(stages[s], static_cast<int>(length), task.sample_period))) return {};
     ++s;
-    if (chosen.family == SettingFamily::one_pole) return {static_cast<double>(length)};  // 0: off
+    constants.push_back(static_cast<int>(length));
     if (length > 1) spec.lengths.push_back(static_cast<int>(length)), spec.order += spec.lengths.back() - 1;
   }
+  if (chosen.family == SettingFamily::one_pole) return member_of(taps_of_poles(constants, filter_order + 1)).taps;
   if (spec.lengths.empty()) spec.lengths.push_back(1);
   if (spec.pairs > 0 && !(spec.pair_delay >= 1.0)) return {};
   const Filter filter = make_filter(spec);
@@ -92,11 +95,7 @@ std::vector<double> taps_of_values(const Task& task, const ChosenSettings& chose
 }
 
 bool values_fit(const Task& task, const ChosenSettings& chosen, const Filter& filter) {
-  const std::vector<double> made = taps_of_values(task, chosen);
-  if (chosen.family != SettingFamily::one_pole) return same_taps(filter, made);
-  if (made.empty()) return false;
-  if (made.front() == 0.0 || filter.order() == 0) return made.front() == 0.0 && filter.order() == 0;
-  return std::abs(filter.tap(1) / filter.tap(0) - std::exp(-1.0 / made.front())) <= part;
+  return same_taps(filter, taps_of_values(task, chosen, filter.order()));
 }
 
 /// The position that the control looks at, by its own sums.
@@ -190,6 +189,20 @@ void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons
   if (in_position && result.settings->width) InPosition(result).compare_width(*result.settings->width, reasons);
 }
 
+/// Free taps for a control that has no delays of any number of samples.
+void compare_one_kind(const DesignResult& result, std::vector<std::string>& reasons) {
+  const auto& control = result.task.settings;
+  if (!control || control->any_delay() || !result.filter) return;
+  const int apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
+  for (const CornerResult& corner : result.corners) {
+    const bool runs_on = control->names(DelayKind::continuous) && corner.delay == 0,
+               stops = control->names(DelayKind::exact_stop) && corner.delay >= apart &&
+                       corner.delay <= result.filter->order() + 2;
+    if (!runs_on && !stops)
+      reasons.push_back(fmt::format("corner {}: the controller has no delay of {} samples", corner.name, corner.delay));
+  }
+}
+
 }  // namespace
 
 void compare_setting(const Task& task, const ChosenSettings& chosen, const Filter& filter,
@@ -210,6 +223,7 @@ void compare_settings(const DesignResult& result, std::vector<std::string>& reas
     }
   }
   if (!asked) {
+    compare_one_kind(result, reasons);
     if (result.settings || result.family_bound || result.free_taps)
       reasons.push_back("settings are recorded, the task asks for none");
     return;

@@ -55,8 +55,12 @@ QuickRefusals::QuickRefusals(const Task& on_taps) : on_taps_(on_taps), bounds_(t
 bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec) {
   const double copies = static_cast<double>(1 << spec.pairs);
   double first = spec.pairs == 2 ? spec.outer : 1.0 / copies, rest = 0.0;
-  for (const int length : lengths) first /= length, rest += length - 1;
+  for (const int length : lengths) rest += length - 1;
   rest -= lengths.front() - 1;
+  // The second difference of taps is as large as without the shortest of three averages, once that one is passed and
+  // before the second impulse comes.
+  const bool passed = lengths.size() == 3 && (spec.pairs == 0 || std::floor(spec.pair_delay) >= lengths.back());
+  for (const int length : passed ? lengths.first(2) : lengths) first /= length;
   // An impulse between two samples is on both of them.
   if (!spec.whole_pairs()) ++rest;
   if (first > bounds_.step) return true;

@@ -9,6 +9,7 @@
 
 #include <accdec/families/family_search.hpp>
 #include <accdec/families/grid_family.hpp>
+#include <accdec/families/poles.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/filter.hpp>
@@ -35,21 +36,15 @@ class Members {
       std::vector<char> allowed(static_cast<std::size_t>(task.design.order_max) + 2, 0);
       for (const int length : lengths_.back()) allowed[static_cast<std::size_t>(length)] = 1;
       allowed_.push_back(std::move(allowed));
-      if (family == SettingFamily::one_pole || find_grid_family(family) != nullptr) break;  // it has one time
+      if (find_grid_family(family) != nullptr) break;  // it has one time
     }
     current_.assign(lengths_.size(), 0);
+    if (family == SettingFamily::one_pole) poles_ = all_poles(lengths_, task.design.order_max);
   }
 
   void visit(int order, const MemberVisitor& visit) {
     if (const GridFamily* grid = find_grid_family(family_)) return visit_grid(*grid, order, visit);
-    if (family_ == SettingFamily::one_pole) {
-      for (const int length : lengths_.front()) {
-        const FilterSpec spec = length > 0 ? cut_pole(length) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
-        current_.front() = length;
-        if (spec.order == order && !visit(spec, {})) return;
-      }
-      return;
-    }
+    if (family_ == SettingFamily::one_pole) return visit_poles(order, visit);
     for (const double delay : delays_) {
       pair_delay_ = delay;
       const int left = order - FilterSpec{.pairs = pairs_, .pair_delay = delay}.full_order();
@@ -68,6 +63,17 @@ class Members {
   int multiple() const { return multiple_; }
 
  private:
+  void visit_poles(int order, const MemberVisitor& visit) {
+    const auto shorter = [](const Poles& poles, int than) { return poles.order < than; };
+    auto at = std::lower_bound(poles_.begin(), poles_.end(), order, shorter);
+    for (; at != poles_.end() && at->order == order; ++at) {
+      current_ = at->constants;
+      const auto off = std::count(current_.begin(), current_.end(), 0);
+      if (static_cast<std::ptrdiff_t>(current_.size()) - off != stages_on_) continue;
+      if (!visit(cut_poles({current_.begin(), current_.end()}), {})) return;
+    }
+  }
+
   void visit_grid(const GridFamily& grid, int order, const MemberVisitor& visit) {
     if (allowed_.front()[static_cast<std::size_t>(order) + 1] == 0) return;
     current_.front() = order + 1;
@@ -119,10 +125,11 @@ class Members {
   double pair_delay_ = 0.0;
   std::vector<std::vector<int>> lengths_;  ///< of each stage, rising
   std::vector<std::vector<char>> allowed_;
+  std::vector<Poles> poles_;  ///< of the family one-pole
   std::vector<int> current_;
 };
 
-/// Searches one family for what is below the best so far. @param stages_on  of averages: how many are not off
+/// Searches one family for what is below the best so far. @param stages_on  of averages and poles: how many are not off
 void search_family(const Task& task, SettingFamily family, int stages_on, const std::function<bool()>& stop,
                    SettableDesign& best) {
   const Family& like = *find_family(family == SettingFamily::one_pole ? "exponential" : "averages");
@@ -175,13 +182,6 @@ std::vector<int> settable_lengths(const SettableStage& stage, double period, int
   return lengths;
 }
 
-FilterSpec cut_pole(double time_constant) {
-  const double taps = std::ceil(-std::log(pole_rest) * time_constant * (1.0 - 1e-12));
-  return {.kind = Shape::exponential,
-          .order = static_cast<int>(std::min(taps, 1e9)) - 1,
-          .ratio = std::exp(-1.0 / time_constant)};
-}
-
 std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period) {
   std::vector<Setting> values;
   for (std::size_t s = 0; s < lengths.size(); ++s) {
@@ -223,7 +223,7 @@ SettableDesign best_settings(const Task& task, double seconds, const std::atomic
   // Members of few stages are few, too. They are looked at in any time, and their best bounds the others.
   for (int stages_on = 0; stages_on <= static_cast<int>(task.settings->stages.size()); ++stages_on) {
     for (const SettingFamily family : task.settings->families) {
-      const bool cascade = family == SettingFamily::averages || family == SettingFamily::shaper;
+      const bool cascade = find_grid_family(family) == nullptr && family != SettingFamily::taps;
       if (cascade || (stages_on == 1 && family != SettingFamily::taps))
         search_family(task, family, stages_on, stop, best);
     }

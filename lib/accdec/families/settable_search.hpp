@@ -10,9 +10,6 @@
 
 namespace accdec {
 
-/// The part of an endless exponential's step at which it is cut off.
-inline constexpr double pole_rest = 1e-4;
-
 /// The best that a task's settings allow.
 struct SettableDesign {
   std::optional<ChosenSettings> chosen;  ///< none: no member of any family holds all limits within the task's orders
@@ -34,9 +31,6 @@ SettableDesign best_settings(const Task& task, double seconds = unlimited, const
 /// The lengths that step, cap or set of a stage allow, samples, rising; without that of a stage that is off.
 /// @param most  samples: longer ones are left out
 std::vector<int> settable_lengths(const SettableStage& stage, double period, int most);
-
-/// The order of an endless exponential that is cut off, and its ratio. @param time_constant  samples, > 0
-FilterSpec cut_pole(double time_constant);
 
 /// Settings of stages in a controller's words, off stages as 0. @param lengths  samples, one a stage; 0: off
 std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period);

@@ -67,6 +67,17 @@ std::vector<Key> stage_keys() {
       std::move(set)};
 }
 
+std::vector<Key> dialect_keys() {
+  return {text_of("metric", "for lengths in mm and feeds in mm/min", "\"G710\""),
+          text_of("dwell", "before the seconds of a dwell, in a block of its own", "\"G4 F\""),
+          text_of("comment", "before a remark", "\";\"", true),
+          {.name = "comment_end",
+           .type = KeyType::text,
+           .meaning = "behind a remark",
+           .fallback = "the line's end",
+           .example = "\")\""}};
+}
+
 FileKind make_controller_file() {
   FileKind file{.name = "controller", .title = "accdec controller"};
   Key families = as_in_tasks(setting_keys(), "family", "families that it has", "");
@@ -81,6 +92,7 @@ FileKind make_controller_file() {
       *find_key(setting_keys(), "cutoff_step_Hz"),
       *find_key(setting_keys(), "shaper_frequency_step_Hz"),
       as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
+      *find_key(controller_keys(), "delay_words"),
       *find_key(controller_keys(), "in_position_of"),
       *find_key(controller_keys(), "in_position_latency_ms"),
       *find_key(controller_keys(), "corner_feed_step"),
@@ -93,6 +105,10 @@ FileKind make_controller_file() {
        .type = KeyType::tables,
        .meaning = "a time that it takes, in the order of the filter; 1 to 3",
        .keys = stage_keys()},
+      {.name = "dialect",
+       .type = KeyType::table,
+       .meaning = "how its programs are written, beside `delay_words`",
+       .keys = dialect_keys()},
       {.name = "source",
        .type = KeyType::tables,
        .meaning = "where a fact stands; at least one",
@@ -122,13 +138,30 @@ ControllerStage read_stage(const Table& table) {
   return stage;
 }
 
+/// The words of its programs.
+void read_words(const Table& top, Controller& controller) {
+  controller.delay_words = top.texts("delay_words");
+  if (top.has("delay_words") && controller.delay_words.size() != controller.delays.size())
+    top.fail_at("delay_words", fmt::format("`delay_words` has {} for {} kinds of `delays`; one a kind is needed",
+                                           controller.delay_words.size(), controller.delays.size()));
+  const auto dialect = top.table("dialect");
+  if (!dialect) return;
+  if (controller.delay_words.empty())
+    top.fail_at("dialect", "[dialect] goes with `delay_words`, without which no corner can be written");
+  controller.dialect = std::make_shared<const ControlDialect>(
+      ControlDialect{dialect->text("metric").value_or(""), dialect->text("dwell").value_or(""),
+                     *dialect->text("comment"), dialect->text("comment_end").value_or("")});
+}
+
 Controller read_controller(const Table& top, std::string name) {
   Controller controller;
   controller.name = std::move(name);
   controller.title = *top.text("title");
   controller.note = top.text("note").value_or("");
-  for (const std::string& word : top.texts("family")) controller.families.push_back(*setting_family_from_string(word));
-  for (const std::string& word : top.texts("delays")) controller.delays.push_back(*delay_kind_from_string(word));
+  for (const std::string& word : texts_once(top, "family"))
+    controller.families.push_back(*setting_family_from_string(word));
+  for (const std::string& word : texts_once(top, "delays")) controller.delays.push_back(*delay_kind_from_string(word));
+  read_words(top, controller);
   controller.in_position_actual = top.has("in_position_of") && top.word("in_position_of") == "actual";
   controller.in_position_latency = top.number("in_position_latency_ms").value_or(0.0);
   controller.corner_feed_step = top.number("corner_feed_step").value_or(controller.corner_feed_step);
@@ -249,7 +282,8 @@ ControllerSettings settings_of(const Controller& controller, double period) {
   if (controller.alpha_step > 0.0) settings.alpha_step = controller.alpha_step;
   if (controller.cutoff_step > 0.0) settings.cutoff_step = controller.cutoff_step;
   settings.shaper_frequency_step = controller.shaper_frequency_step;
-  settings.delays = controller.delays;
+  settings.delays = controller.delays, settings.delay_words = controller.delay_words;
+  settings.dialect = controller.dialect, settings.from_file = true;
   settings.corner_feed_step = controller.corner_feed_step;
   settings.in_position_actual = controller.in_position_actual;
   settings.in_position_latency = std::round(controller.in_position_latency / period) * period;
@@ -259,6 +293,10 @@ ControllerSettings settings_of(const Controller& controller, double period) {
 
 InputError error_at_delays(const std::string& task, const std::string& message) {
   return error_at_first({{"controller", "delays"}, {"controller", "name"}, {"controller", "file"}}, task, message);
+}
+
+InputError error_at_controller(const std::string& task, const std::string& message) {
+  return error_at_first({{"controller", "name"}, {"controller", "file"}}, task, message);
 }
 
 InputError error_at_family(const std::string& task, const std::string& message) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,9 +35,11 @@ struct Controller {
   double time_constant_step = 0.0, alpha_step = 0.0, cutoff_step = 0.0;  ///< of the families' numbers, SI; 0: not given
   double shaper_frequency_step = 0.0;  ///< Hz, of a control that interpolates; 0: impulses at whole samples
   std::vector<ControllerStage> stages;
-  std::vector<DelayKind> delays;     ///< empty: none is known
-  bool in_position_actual = false;   ///< see ControllerSettings
-  double in_position_latency = 0.0;  ///< s
+  std::vector<DelayKind> delays;                  ///< empty: none is known
+  std::vector<std::string> delay_words;           ///< see ControllerSettings
+  std::shared_ptr<const ControlDialect> dialect;  ///< null: not known
+  bool in_position_actual = false;                ///< see ControllerSettings
+  double in_position_latency = 0.0;               ///< s
   double corner_feed_step = 0.05;
   std::vector<std::string> unknown;  ///< what could not be found
   std::vector<ControllerSource> sources;
@@ -65,6 +68,8 @@ ControllerSettings settings_of(const Controller& controller, double period);
 
 /// The message at the place of a task file that names its delays: [controller] delays, else its name or file.
 InputError error_at_delays(const std::string& task, const std::string& message);
+/// The same for the controller's name or file.
+InputError error_at_controller(const std::string& task, const std::string& message);
 /// The same for its filters: [design] family, else the controller's name or file.
 InputError error_at_family(const std::string& task, const std::string& message);
 

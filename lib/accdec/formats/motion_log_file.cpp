@@ -163,6 +163,9 @@ std::string in_words(const FittedFilter& fit, double period) {
   switch (fit.family) {
     case SettingFamily::taps: return fmt::format("{} taps", spec.order + 1);
     case SettingFamily::one_pole:
+      if (fit.second_constant > 0.0)
+        return fmt::format("two poles in series with time constants of {:.5g} and {:.5g} ms", 1e3 * fit.time_constant,
+                           1e3 * fit.second_constant);
       return fmt::format("a pole with a time constant of {:.5g} ms", 1e3 * fit.time_constant);
     case SettingFamily::exponential:
       return fmt::format("an exponential of {} ms with a time constant of {:.5g} ms", length, 1e3 * fit.time_constant);
@@ -177,8 +180,9 @@ std::string in_words(const FittedFilter& fit, double period) {
   const std::string text = fmt::format("average{} of {} ms", ms.size() == 1 ? "" : "s", fmt::join(ms, ", "));
   const ShaperInfo* shaper = shaper_of(spec);
   if (shaper == nullptr) return text;
-  return fmt::format("{}{} at {:.4g} Hz (impulses {:.5g} samples apart)", spec.order == 0 ? "" : text + " with ",
-                     shaper->title, shaper->delay_periods / (spec.pair_delay * period), spec.pair_delay);
+  return fmt::format("{}{} at {:.4g} Hz (impulses {:.5g} {} apart)", spec.order == 0 ? "" : text + " with ",
+                     shaper->title, shaper->delay_periods / (spec.pair_delay * period), spec.pair_delay,
+                     spec.pair_delay == 1.0 ? "sample" : "samples");
 }
 
 }  // namespace
@@ -204,9 +208,12 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
   if (found.moves.size() == 2)
     text += fmt::format("# delay at the corner: {} samples\n",
                         found.moves[1].first - found.moves[0].first - found.moves[0].samples);
-  if (best.family == SettingFamily::taps)
+  if (best.family == SettingFamily::taps) {
     text += "# no family of settings fits nearly as well\n";
-  else
+    if (found.taps.rms > 3.0 * found.log_noise + 1e-7)
+      text += fmt::format("# nor do taps fit well: at rest and at constant speed the log's noise is {:.3g} um\n",
+                          1e6 * found.log_noise);
+  } else
     text += fmt::format("# likelihood {:.3g} among all members, at noise of {:.4g} um\n", best.likelihood,
                         1e6 * found.noise);
   constexpr std::size_t shown = 20;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/formats/beyond_controller.hpp>
 #include <accdec/formats/controller_file.hpp>
 #include <accdec/formats/settings_table.hpp>
 
@@ -75,9 +76,24 @@ void read_sets(const Table& table, double period, std::vector<SettableStage>& st
   }
 }
 
+/// Families that have a length and a real number alone: their only time is the first stage's.
+bool all_on_grids(const std::vector<SettingFamily>& families) {
+  return std::all_of(families.begin(), families.end(), [](SettingFamily family) {
+    return family == SettingFamily::exponential || family == SettingFamily::gaussian ||
+           family == SettingFamily::windowed_sinc;
+  });
+}
+
 void read_stages(const Table& table, double period, ControllerSettings& settings) {
   const std::size_t known = settings.stages.size();
-  const auto asked = static_cast<std::size_t>(table.required_integer("stages"));
+  auto asked = static_cast<std::size_t>(table.required_integer("stages"));
+  if (all_on_grids(settings.families)) {
+    if (table.has("stages") && asked > 1)
+      table.fail_at("stages", fmt::format("`stages` = {}, but family = \"{}\" is one filter with one length; allowed "
+                                          "is 1",
+                                          asked, to_string(settings.families.front())));
+    asked = 1;
+  }
   if (known > 0 && table.has("stages") && asked > known)
     table.fail_at("stages", fmt::format("`stages` = {}, but the controller has {}", asked, known));
   if (known == 0 || table.has("stages")) settings.stages.resize(asked);
@@ -137,11 +153,8 @@ void read_grid(const Table& table, double period, ControllerSettings& settings) 
 
 void read_families(const Table& table, double period, ControllerSettings& settings) {
   settings.families.clear();
-  for (const std::string& word : table.texts("family")) {
-    const SettingFamily family = *setting_family_from_string(word);
-    if (std::find(settings.families.begin(), settings.families.end(), family) == settings.families.end())
-      settings.families.push_back(family);
-  }
+  for (const std::string& word : texts_once(table, "family"))
+    settings.families.push_back(*setting_family_from_string(word));
   const auto has = [&](SettingFamily family) {
     return std::find(settings.families.begin(), settings.families.end(), family) != settings.families.end();
   };
@@ -150,7 +163,10 @@ void read_families(const Table& table, double period, ControllerSettings& settin
   if (!shaper && table.has("shaper"))
     table.fail_at("shaper", "`shaper` is of no use here; it goes with family = \"shaper\"");
   if (settings.names_family() && has(SettingFamily::taps))
-    table.fail_at("family", "`family` names free taps and settings; no setting is faster than free taps, give either");
+    table.fail_at(
+        "family",
+        "`family` names free taps and settings; no setting is faster than free taps, allowed are either \"taps\" "
+        "alone or the others");
   for (const SettingFamily falling : {SettingFamily::one_pole, SettingFamily::exponential}) {
     if (has(falling) && table.boolean("symmetric"))
       table.fail_at("symmetric", fmt::format("`symmetric` = true leaves nothing of family = \"{}\", whose taps fall",
@@ -207,6 +223,24 @@ void read_corner_feed(const Table& table, ControllerSettings& settings) {
   settings.corner_feed_step = *table.number(key);
 }
 
+/// The kinds of delays, with the words for them: the task's, or those that the control has for the kinds that are left.
+void read_delays(const Table& table, ControllerSettings& settings) {
+  if (table.has("delays")) {
+    const ControllerSettings had = settings;
+    settings.delays.clear(), settings.delay_words.clear();
+    for (const std::string& word : texts_once(table, "delays")) {
+      settings.delays.push_back(*delay_kind_from_string(word));
+      if (!had.delay_words.empty()) settings.delay_words.emplace_back(had.word_of(settings.delays.back()));
+    }
+  }
+  constexpr std::string_view key = "delay_words";
+  if (!table.has(key)) return;
+  settings.delay_words = table.texts(key);
+  if (settings.delay_words.size() != settings.delays.size())
+    table.fail_at(key, fmt::format("`{}` has {} for {} kinds of `delays`; one a kind is needed", key,
+                                   settings.delay_words.size(), settings.delays.size()));
+}
+
 /// How the control measures that it is in-position.
 void read_in_position(const Table& table, double period, ControllerSettings& settings) {
   const bool there = settings.names(DelayKind::in_position);
@@ -260,10 +294,14 @@ SettingFamily family_of_key(std::string_view key) {
 
 }  // namespace
 
-bool any_delay(const std::vector<DelayKind>& kinds) {
-  return kinds.empty() || std::any_of(kinds.begin(), kinds.end(), [](DelayKind kind) {
-           return kind == DelayKind::dwell || kind == DelayKind::timed_axis;
-         });
+std::vector<std::string> texts_once(const Table& table, std::string_view key) {
+  std::vector<std::string> words = table.texts(key);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (std::find(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i), words[i]) !=
+        words.begin() + static_cast<std::ptrdiff_t>(i))
+      table.fail_at(key, i, fmt::format("`{}` names \"{}\" twice; allowed is once", key, words[i]));
+  }
+  return words;
 }
 
 std::optional<ControllerSettings> read_settings(const std::optional<Table>& design,
@@ -283,18 +321,20 @@ std::optional<ControllerSettings> read_settings(const std::optional<Table>& desi
   else if (design && times)
     read_stages(*design, period, settings);
   if (controller) {
-    if (controller->has("delays")) settings.delays.clear();
-    for (const std::string& word : controller->texts("delays"))
-      settings.delays.push_back(*delay_kind_from_string(word));
+    read_delays(*controller, settings);
     read_in_position(*controller, period, settings);
     read_corner_feed(*controller, settings);
     read_parameters(*controller, settings);
   }
+  if (named) refuse_beyond_controller(design, *controller, *named, settings);
   if (!settings.names_family() && settings.delays.empty()) return std::nullopt;
-  if (!settings.names_family() && !any_delay(settings.delays))
+  const bool one_kind =
+      settings.delays.size() == 1 && (settings.names(DelayKind::continuous) || settings.names(DelayKind::exact_stop));
+  if (!settings.names_family() && !settings.any_delay() && !one_kind)
     controller->fail_at("delays",
                         "`delays` without a family: free taps are designed with delays of any number of samples, "
-                        "\"dwell\" or \"timed-axis\"; give [design] family = \"averages\"");
+                        "\"dwell\" or \"timed-axis\", or for \"continuous\" or \"exact-stop\" alone; for others give "
+                        "[design] family = \"averages\"");
   return settings;
 }
 

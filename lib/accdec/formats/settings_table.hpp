@@ -13,8 +13,8 @@
 
 namespace accdec {
 
-/// Whether these kinds give any number of samples.
-bool any_delay(const std::vector<DelayKind>& kinds);
+/// The words of a list. @throws InputError at a word that stands there twice
+std::vector<std::string> texts_once(const toml_input::Table& table, std::string_view key);
 
 /// Numbers on a grid: more would only take time.
 inline constexpr double most_numbers = 1e4;

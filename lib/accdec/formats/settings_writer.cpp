@@ -87,6 +87,7 @@ void write_settings(const Task& task, Json& design, Json& controller) {
     }
   }
   for (const DelayKind kind : settings.delays) controller["delays"].push_back(to_string(kind));
+  for (const std::string& word : settings.delay_words) controller["delay_words"].push_back(word);
   if (settings.in_position_actual) controller["in_position_of"] = "actual";
   if (settings.in_position_latency > 0.0)
     controller["in_position_latency_ms"] = from_si({.unit = "ms"}, settings.in_position_latency);

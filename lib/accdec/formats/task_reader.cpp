@@ -353,7 +353,7 @@ class TaskReader {
       faults_.attempt(corners_[j].pointer(), [&] {
         task_.corners.push_back(read_corner(corners_[j], name_of(corners_[j], j), legs_[j], axes.size()));
         check_feeds(task_.corners.back(), corners_[j], task_.machine);
-        if (task_.settings && task_.corners.back().delay && !any_delay(task_.settings->delays))
+        if (task_.settings && task_.corners.back().delay && !task_.settings->may_be_given(*task_.corners.back().delay))
           corners_[j].fail_at("delay_samples",
                               "`delay_samples` contradicts [controller] delays: a delay can be given only to a control "
                               "with \"dwell\" or \"timed-axis\"");

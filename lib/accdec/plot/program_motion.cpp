@@ -119,9 +119,7 @@ ProgramMotion motion_of(const ProgramResult& result) {
           result.cycle_time,
           [&result](const SampleVisitor& visit) { visit_samples(result, visit, Steady::passed); },
           bounds_of(result),
-          result.settings && result.verification.feasible
-              ? program_settings_answer(*result.settings, result.cycle_time, result.has_today)
-              : ""};
+          program_answer(result)};
 }
 
 std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most) {

@@ -30,6 +30,20 @@ bool ControllerSettings::names(DelayKind kind) const {
   return std::find(delays.begin(), delays.end(), kind) != delays.end();
 }
 
+bool ControllerSettings::any_delay() const {
+  return delays.empty() || names(DelayKind::dwell) || names(DelayKind::timed_axis);
+}
+
+bool ControllerSettings::may_be_given(int delay) const {
+  if (any_delay()) return true;
+  return !names_family() && (names(DelayKind::exact_stop) || delay == 0);
+}
+
+std::string_view ControllerSettings::word_of(DelayKind kind) const {
+  const auto at = static_cast<std::size_t>(std::find(delays.begin(), delays.end(), kind) - delays.begin());
+  return at < delay_words.size() ? std::string_view(delay_words[at]) : std::string_view();
+}
+
 bool ControlDelays::names(DelayKind kind) const {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }

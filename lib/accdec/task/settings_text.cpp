@@ -29,7 +29,8 @@ std::string family_words(const ControllerSettings& settings, SettingFamily famil
     case SettingFamily::taps: return "free taps";
     case SettingFamily::averages:
       return fmt::format("{} average{}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s");
-    case SettingFamily::one_pole: return "one pole";
+    case SettingFamily::one_pole:
+      return settings.stages.size() == 1 ? "one pole" : fmt::format("{} poles", settings.stages.size());
     case SettingFamily::shaper:
       return fmt::format("{} average{} with {}", settings.stages.size(), settings.stages.size() == 1 ? "" : "s",
                          settings.shaper->title);
@@ -59,23 +60,41 @@ std::string corner_in_words(const DesignResult& result, std::size_t j, DelayKind
   return fmt::format("{} ({:.6g} ms)", corner.name, 1e3 * corner.delay * result.task.sample_period);
 }
 
-/// The delays in words: ", exact stop at every corner".
+/// "A (14 ms), B (12 ms) and 3 more".
+std::string some(std::vector<std::string> corners) {
+  constexpr std::size_t shown = 5;
+  const std::size_t more = corners.size() > shown ? corners.size() - shown : 0;
+  corners.resize(std::min(corners.size(), shown));
+  return fmt::format("corner{} {}{}", corners.size() + more == 1 ? "" : "s", listed(corners),
+                     more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+/// Delays of samples, for a control whose kinds are not named.
+std::string plain_delays_in_words(const DesignResult& result) {
+  std::vector<std::string> corners;
+  for (std::size_t j = 0; j < result.corners.size(); ++j) {
+    if (result.corners[j].delay > 0) corners.push_back(corner_in_words(result, j, DelayKind::dwell));
+  }
+  return corners.empty() ? "" : "; delay at " + some(std::move(corners));
+}
+
+/// The delays in words: "; exact-stop at corner A". An in-position width alone is of all corners.
 std::string delays_in_words(const DesignResult& result) {
   const std::vector<DelayKind> chosen = chosen_delay_kinds(result);
+  if (chosen.empty()) return plain_delays_in_words(result);
   std::string text;
   if (result.settings && result.settings->width) text += "; " + width_in_words(*result.settings->width);
+  const auto count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), DelayKind::in_position));
   for (const DelayKindName& kind : delay_kinds) {
-    if (kind.kind == DelayKind::in_position) continue;
+    const std::string word(result.task.settings->word_of(kind.kind));
+    if (kind.kind == DelayKind::in_position && count == chosen.size() && word.empty()) continue;
     std::vector<std::string> corners;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       if (chosen[j] == kind.kind) corners.push_back(corner_in_words(result, j, kind.kind));
     }
     if (corners.empty()) continue;
-    constexpr std::size_t shown = 5;
-    const std::size_t more = corners.size() > shown ? corners.size() - shown : 0;
-    corners.resize(std::min(corners.size(), shown));
-    text += fmt::format("; {} at corner{} {}{}", kind.name, corners.size() + more == 1 ? "" : "s", listed(corners),
-                        more > 0 ? fmt::format(" and {} more", more) : "");
+    text += fmt::format("; {}{} at {}", kind.name, word.empty() ? "" : fmt::format(" ({})", word),
+                        some(std::move(corners)));
   }
   return text;
 }
@@ -141,7 +160,9 @@ std::string families_in_words(const ControllerSettings& settings) {
 }
 
 std::string proved_best_in_words(const ControllerSettings& settings) {
-  return fmt::format("proved best for this {}", settings.controller.empty() ? "family" : "control");
+  if (settings.controller.empty()) return "proved best for this family";
+  return settings.delays.empty() ? "proved best for this control's filter, if it can delay by any number of samples"
+                                 : "proved best for this control";
 }
 
 std::string width_in_words(const WidthInterval& width) {
@@ -183,7 +204,7 @@ std::string settings_in_words(const ChosenSettings& settings) {
   else if (plain.empty())
     text = "no filter";
   else if (settings.family == SettingFamily::one_pole)
-    text = fmt::format("a pole of {}", plain.front());
+    text = plain.size() == 1 ? fmt::format("a pole of {}", plain.front()) : fmt::format("poles of {}", listed(plain));
   else if (plain.size() == 1)
     text = fmt::format("one average of {}", plain.front());
   else
@@ -191,7 +212,8 @@ std::string settings_in_words(const ChosenSettings& settings) {
   if (settings.filter.pairs > 0) {
     const Setting& shaper = settings.values.back();
     text += fmt::format(", {} at {} Hz", shaper.name, frequency_in_words(shaper.value));
-    text += fmt::format(" (impulses {:.6g} samples apart)", settings.filter.pair_delay);
+    text += fmt::format(" (impulses {:.6g} {} apart)", settings.filter.pair_delay,
+                        settings.filter.pair_delay == 1.0 ? "sample" : "samples");
   }
   return text;
 }
@@ -222,11 +244,9 @@ std::string taps_in_words(const DesignResult& result) {
   std::string text = fmt::format("the {} taps that `accdec export` writes", result.filter->order() + 1);
   if (result.task.settings) return text + delays_in_words(result);
   std::vector<std::string> delays;
-  for (std::size_t j = 0; j < std::min<std::size_t>(result.corners.size(), 5); ++j)
+  for (std::size_t j = 0; j < result.corners.size(); ++j)
     delays.push_back(corner_in_words(result, j, DelayKind::dwell));
-  const std::size_t more = result.corners.size() - delays.size();
-  return text + fmt::format("; delay at corner{} {}{}", result.corners.size() == 1 ? "" : "s", listed(delays),
-                            more > 0 ? fmt::format(" and {} more", more) : "");
+  return text + "; delay at " + some(std::move(delays));
 }
 
 /// Kinds of delays that free taps do without.
@@ -248,7 +268,8 @@ std::string proved_in_words(const DesignResult& result) {
   if (result.settings) return proved_best_in_words(*control);
   return control && !control->controller.empty() && !control->names(DelayKind::corner_feed)
              ? "proved best for this control"
-             : "proved best of free taps with delays";
+         : control && !control->any_delay() ? "proved best of free taps with such delays"
+                                            : "proved best of free taps with delays";
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace accdec {
 /// "2 averages up to 20 ms" or "averages and one pole": what a controller can be set to.
 std::string families_in_words(const ControllerSettings& settings);
 
-/// "proved best for this control", or "for this family" where the task names no control.
+/// "proved best for this control", or "for this family" where the task names no control. It says so if the control's
+/// delays are not known.
 std::string proved_best_in_words(const ControllerSettings& settings);
 
 /// "averages of 18 ms and 12 ms", or with names of parameters "MD32410 = 0.018 s, MD32411 = 0.012 s".

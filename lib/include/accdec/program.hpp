@@ -78,6 +78,7 @@ struct ProgramSettings {
   /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
   /// more than `several_plans_max` blocks, or after the deadline.
   std::optional<double> free_taps{};
+  std::shared_ptr<const ControllerSettings> control{};  ///< whose they are; null: not known
 };
 
 /// The treatment of programmed feeds.
@@ -167,12 +168,13 @@ struct ProgramResult {
   std::vector<PlanTime> candidates;         ///< plans that were made beside this one
   std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
   bool has_today = false;                   ///< today's setting was planned, too
-  std::string compensation;                 ///< why arcs that were to be widened are not; empty: nothing to say
-  std::vector<AxisLoad> loads;              ///< of the axes that have a mass or damping; of programs of up to
-                                            ///< `several_plans_max` blocks
-  std::optional<ServoReport> servo;         ///< behind a servo, of programs of up to `several_plans_max` blocks
-  std::vector<FeedOverride> overrides;      ///< of programs of up to `several_plans_max` blocks
-  std::vector<ControlEstimate> estimates;   ///< of other controls' times, by whoever asks for them
+  std::string taps_control;             ///< title of the task's control if it takes the taps of plan fixed; else empty
+  std::string compensation;             ///< why arcs that were to be widened are not; empty: nothing to say
+  std::vector<AxisLoad> loads;          ///< of the axes that have a mass or damping; of programs of up to
+                                        ///< `several_plans_max` blocks
+  std::optional<ServoReport> servo;     ///< behind a servo, of programs of up to `several_plans_max` blocks
+  std::vector<FeedOverride> overrides;  ///< of programs of up to `several_plans_max` blocks
+  std::vector<ControlEstimate> estimates;  ///< of other controls' times, by whoever asks for them
   VerificationReport verification;
   SolverReport solver;
   std::string message;
@@ -257,7 +259,9 @@ std::string program_summary(const ProgramResult& result);
 /// of the delay (G4 P, seconds), which must act before the filter and without an exact stop. Lowered feeds and the path
 /// mode of every joint (G61.1, G61, G64 P) are written, too. Arcs become their chords, in mm and absolute. Stops,
 /// dwells and words that are not about motion stay in place. Read with ToolpathOptions::dwells_before_filter, the
-/// program plans to the same motion, except for the way to where it begins.
+/// program plans to the same motion, except for the way to where it begins. For a named controller the words are those
+/// of its file; only its in-position, exact-stop and continuous corners then stand in the program.
+/// @throws std::invalid_argument if the controller's file has no words for what the plan needs
 void emit_program(const ProgramResult& result, std::ostream& out);
 
 /// The filter for a program whose task leaves it open. Candidates are designed for the representative task, by

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@ namespace accdec {
 enum class SettingFamily {
   taps,      ///< any taps
   averages,  ///< moving averages in series
-  one_pole,  ///< an endless exponential, cut off where 1e-4 of the step is left
+  one_pole,  ///< endless exponentials in series, cut off where 1e-4 of their step is left
   shaper,    ///< moving averages in series, with impulses behind them
   // A length and one real number on a grid:
   exponential,   ///< a finite exponential: length and time constant
@@ -74,6 +75,14 @@ struct SettableStage {
   std::vector<double> length_set{};  ///< s, multiples of the sample period, rising; empty: every multiple of the step
 };
 
+/// How programs of a control are written, beside the words of its kinds of delays.
+struct ControlDialect {
+  std::string metric{};       ///< for lengths in mm and feeds in mm/min; empty: none is needed
+  std::string dwell{};        ///< before its seconds, a block of its own: "G4 F"; empty: not known
+  std::string comment{};      ///< before a remark
+  std::string comment_end{};  ///< behind it; empty: the line's end
+};
+
 /// The choices that a controller leaves to its user. A stage may always be off.
 struct ControllerSettings {
   std::vector<SettingFamily> families{SettingFamily::taps};  ///< at least one; the best of all is designed
@@ -91,10 +100,19 @@ struct ControllerSettings {
   double in_position_latency = 0.0;  ///< s, a multiple of the period: from within the width until the next block starts
   double corner_feed_step = 0.05;    ///< DelayKind::corner_feed: the parts of the feed are multiples of it, below 1
   std::string controller{};          ///< its title, for people; may be empty
+  std::vector<std::string> delay_words{};           ///< of its programs, one for each of `delays`; empty: not known
+  std::shared_ptr<const ControlDialect> dialect{};  ///< of its programs, as its file has it; null: not known
+  bool from_file = false;                           ///< a controller was named, built in or by a file
 
   bool names(DelayKind kind) const;
   /// Whether anything but free taps is designed.
   bool names_family() const;
+  /// Whether any number of samples can be had.
+  bool any_delay() const;
+  /// Whether a task may give a corner so many samples: any, or for free taps what their one kind of delay gives.
+  bool may_be_given(int delay) const;
+  /// The word of a kind; empty if it is not known.
+  std::string_view word_of(DelayKind kind) const;
 };
 
 /// The delays that a control has for the corners of a program.

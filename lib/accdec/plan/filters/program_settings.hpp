@@ -10,4 +10,11 @@ namespace accdec {
 /// @param time  s, of the plan  @param has_today  whether the task names today's setting
 std::string program_settings_answer(const ProgramSettings& settings, double time, bool has_today);
 
+/// The title of a task's control that takes free taps, for ProgramResult::taps_control; empty for others.
+std::string control_of_taps(const Task& task);
+
+/// The answer of a program's result, a line: settings, or the taps that a control takes. Empty for a plan that does not
+/// hold, and for tasks that name no control.
+std::string program_answer(const ProgramResult& result);
+
 }  // namespace accdec

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <accdec/families/grid_family.hpp>
+#include <accdec/families/poles.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 
@@ -20,8 +21,7 @@ Number nearest(const std::vector<Number>& options, double length) {
 }
 
 FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper, double pair_delay) {
-  if (family == SettingFamily::one_pole)
-    return lengths.front() > 0 ? cut_pole(lengths.front()) : FilterSpec{.kind = Shape::exponential, .ratio = 1.0};
+  if (family == SettingFamily::one_pole) return cut_poles({lengths.begin(), lengths.end()});
   FilterSpec spec{.kind = Shape::averages};
   if (shaper != nullptr) spec.pairs = shaper->pairs, spec.outer = shaper->outer, spec.pair_delay = pair_delay;
   for (const int length : lengths) {
@@ -67,8 +67,7 @@ std::vector<SettingFamily> SettableMembers::families() const {
 }
 
 std::size_t SettableMembers::stages(SettingFamily family) const {
-  if (find_grid_family(family) != nullptr) return 2;
-  return family == SettingFamily::one_pole ? 1 : averages_.size();
+  return find_grid_family(family) != nullptr ? 2 : averages_.size();
 }
 
 std::vector<int> SettableMembers::options(SettingFamily family, std::size_t stage) const {
@@ -137,7 +136,9 @@ std::vector<SettableMember> SettableMembers::spread() const {
           continue;
         }
         if (family == SettingFamily::one_pole) {
-          add(family, {order / -std::log(pole_rest)}, 0, members);
+          const double constant = order / -std::log(pole_rest);
+          add(family, {constant, 0.0, 0.0}, 0, members);
+          if (stages(family) > 1) add(family, {0.75 * constant, 0.75 * constant, 0.0}, 0, members);
           continue;
         }
         for (const double part : {0.0, 0.25, 0.5}) {
@@ -219,8 +220,16 @@ void SettableMembers::list_grid(SettingFamily family) {
   }
 }
 
+void SettableMembers::list_poles() {
+  for (const Poles& poles : all_poles(poles_, task_.design.order_max)) {
+    if (static_cast<long>(all_.size()) >= most) return static_cast<void>(listed_ = false);
+    add(SettingFamily::one_pole, {poles.constants.begin(), poles.constants.end()}, 0.0, all_);
+  }
+}
+
 void SettableMembers::list(SettingFamily family) {
   if (find_grid_family(family) != nullptr) return list_grid(family);
+  if (family == SettingFamily::one_pole) return list_poles();
   const ShaperInfo* shaper = shaper_behind(family);
   std::vector<int> lengths;
   const std::function<void(int, double)> stage = [&](int left, double delay) {
@@ -232,9 +241,8 @@ void SettableMembers::list(SettingFamily family) {
       return;
     }
     for (const int length : options(family, s)) {
-      if (family != SettingFamily::one_pole && length - 1 > left) break;
-      if (family != SettingFamily::one_pole && s > 0 && averages_[s] == averages_[s - 1] && length > lengths[s - 1])
-        break;
+      if (length - 1 > left) break;
+      if (s > 0 && averages_[s] == averages_[s - 1] && length > lengths[s - 1]) break;
       lengths.push_back(length);
       stage(left - (length - 1), delay);
       lengths.pop_back();

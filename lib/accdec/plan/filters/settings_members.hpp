@@ -48,6 +48,7 @@ class SettableMembers {
   void add_grid(SettingFamily family, int length, double multiple, std::vector<SettableMember>& members) const;
   void list(SettingFamily family);
   void list_grid(SettingFamily family);
+  void list_poles();
   const ShaperInfo* shaper_behind(SettingFamily family) const;  ///< null: none
   /// The delay between impulses that is next to this one, longer or shorter.
   double moved_delay(double delay, int by) const;

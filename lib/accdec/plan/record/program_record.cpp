@@ -46,7 +46,7 @@ class Reader {
     if (json_.has("settings")) read_program_settings(json_["settings"], r);
     if (json_.has("inputs")) read_inputs(json_["inputs"]);
     record_.commands = json_.has("commands") && json_.has("inputs");
-    if (record_.commands) read_commands(json_["commands"]);
+    if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
     if (r.settings && record_.task.settings) {
       const auto& width = r.settings->chosen.width;
       r.plan.path.control = control_of(*record_.task.settings, width ? width->middle() : 0.0);

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
@@ -95,6 +96,8 @@ std::string program_to_json(const ProgramResult& result, const ProgramInputs& in
   while (!text.empty() && text.back() == '\n') text.pop_back();
   // A line each, not a line a number.
   if (result.settings) text += ",\n  \"settings\": " + program_settings_to_json(result).dump();
+  if (!result.settings && !program_answer(result).empty())
+    text += ",\n  \"answer\": " + Json(program_answer(result)).dump(-1, ' ', false, Json::error_handler_t::replace);
   text += ",\n  \"inputs\": " + inputs_json(inputs).dump(-1, ' ', false, Json::error_handler_t::replace);
   const bool all = result.plan.path.blocks() <= recorded_blocks_max;
   return text + ",\n  \"commands\": " + (all ? commands_json(result).dump() : std::string("null")) + "\n}\n";

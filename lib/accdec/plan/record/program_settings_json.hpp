@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/json_value.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/program.hpp>
 
 // Internal to the room: a control's settings in results of programs.

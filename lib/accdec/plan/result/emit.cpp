@@ -7,6 +7,7 @@
 
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/gcode/number.hpp>
+#include <accdec/plan/result/dialect_words.hpp>
 #include <accdec/plan/result/emit.hpp>
 #include <accdec/plan/result/emitted_lines.hpp>
 #include <accdec/plan/result/timed_moves.hpp>
@@ -35,6 +36,11 @@ DelayKind kind_of(const ProgramResult& result, std::size_t b) {
   return known ? result.settings->chosen.delays[b] : DelayKind::dwell;
 }
 
+/// Whether a block ends in a full stop, whatever kinds of delays the control has for corners.
+bool ends_in_stop(const ProgramResult& result, std::size_t b) {
+  return result.plan.path.joint[b] == Joint::stop || kind_of(result, b) == DelayKind::exact_stop;
+}
+
 /// Writes a plan block by block.
 class Emission {
  public:
@@ -42,10 +48,10 @@ class Emission {
   Emission(const ProgramResult& result, char timed_axis, std::ostream& out)
       : result_(result),
         path_(result.plan.path),
-        filter_(result.plan.filter()),
         machine_(program_machine(result.task_machine, path_)),
         lines_(out),
         timed_(timed_axis),
+        words_(result, timed_axis == 0),
         decimals_(decimals_needed()),
         written_(path_.dimensions(), "0") {}
 
@@ -81,7 +87,14 @@ class Emission {
     if (path_.percent) line("%");
     if (!path_.label.empty()) line("{}", path_.label);
     const double period = result_.sample_period * 1e3;
-    line("(planned for a filter of {} taps at T = {} ms)", result_.plan.set().order() + 1, plain_number(period, 6));
+    line("{}", words_.remark(fmt::format("(planned for a filter of {} taps at T = {} ms)",
+                                         result_.plan.set().order() + 1, plain_number(period, 6))));
+    if (words_.used()) {
+      line("{}", words_.remark(fmt::format("{}{})", set_remark, words_to_set(*result_.settings))));
+      if (slowed_rapids) line("{}", words_.remark(fmt::format("{} where the plan runs them slower)", slowed_remark)));
+      for (const std::string& words : words_.begin()) line("{}", words);
+      return position();
+    }
     if (timed_.used())
       lines_.append(timed_.remark());
     else
@@ -118,15 +131,20 @@ class Emission {
       }
     }
     if (to.empty()) return;
-    line("(to where the program begins)");
-    mode_ = "G61.1";
-    line("{}", mode_);
+    line("{}", words_.remark("(to where the program begins)"));
+    if (words_.used()) {
+      to += words_.at_stop();
+    } else {
+      mode_ = "G61.1";
+      line("{}", mode_);
+    }
     if (limited) {
       line("G0{}", to);
     } else {
       feed_ = feed(0);
       line("G1{} F{}", to, feed_);
     }
+    if (const std::string wait = words_.behind_stop(result_.plan.filter()); !wait.empty()) line("{}", wait);
   }
 
   /// Decimals of coordinates in mm. Rounding a position by q changes an acceleration by up to 4 q/T^2 and a jerk by
@@ -172,7 +190,7 @@ class Emission {
     for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) {
       const std::string& words = path_.passed[next_passed_].words;
       if (path_.passed[next_passed_].with_block) {
-        lines_.note(words);
+        lines_.note(words_.remark(words));
         continue;
       }
       // A program that was written here and read again does not accumulate remarks.
@@ -182,7 +200,7 @@ class Emission {
                                  set_remark, in_position_remark, slowed_remark}) {
         own = own || words.starts_with(remark);
       }
-      if (!own) line("{}", words);
+      if (!own) line("{}", words_.passed(words));
     }
   }
 
@@ -205,7 +223,7 @@ class Emission {
 
   /// How the joint at the block's end is to be passed.
   void path_mode(std::size_t b) {
-    if (b + 1 == path_.blocks()) return;
+    if (b + 1 == path_.blocks() || words_.used()) return;
     std::string mode = "G64";
     if (timed_.used()) {
       if (result_.plan.delay(b) > 0) mode = "G61";
@@ -231,20 +249,22 @@ class Emission {
   }
 
   void block(std::size_t b) {
-    const std::string to = words(path_.point(b + 1));
+    std::string to = words(path_.point(b + 1));
     if (to.empty()) return;  // shorter than what is written
+    const bool nine = !words_.used() && kind_of(result_, b) == DelayKind::in_position;
+    const char* const in_position = nine ? "G9 " : "";
+    const bool last = b + 1 == path_.blocks();
+    const std::string behind = !words_.used() || last     ? ""
+                               : ends_in_stop(result_, b) ? words_.at_stop()
+                                                          : words_.at(kind_of(result_, b));
     if (stands_as_rapid(path_, b, machine_)) {
-      lines_.command("{}G0{}", kind_of(result_, b) == DelayKind::in_position ? "G9 " : "", to);
+      lines_.command("{}G0{}{}", in_position, to, behind);
       return;
     }
     const std::string feed = this->feed(b);
-    const char* in_position = kind_of(result_, b) == DelayKind::in_position ? "G9 " : "";
-    if (feed == feed_) {
-      lines_.command("{}G1{}", in_position, to);
-    } else {
-      lines_.command("{}G1{} F{}", in_position, to, feed);
-      feed_ = feed;
-    }
+    if (feed != feed_) to += " F" + feed;
+    lines_.command("{}G1{}{}", in_position, to, behind);
+    feed_ = feed;
   }
 
   std::string feed(std::size_t b) const {
@@ -263,6 +283,13 @@ class Emission {
   /// words passed on.
   void rest(std::size_t b) {
     const bool last = b + 1 == path_.blocks();
+    if (words_.used()) {
+      if (last) return;
+      const std::string wait = ends_in_stop(result_, b) ? words_.behind_stop(result_.plan.filter())
+                                                        : words_.behind(kind_of(result_, b), result_.plan.delay(b));
+      if (!wait.empty()) line("{}", wait);
+      return;
+    }
     if (timed_.used() && !last) {
       const std::string move = timed_.wait(result_.plan.delay(b), result_.sample_period);
       lines_.append(move);
@@ -272,22 +299,24 @@ class Emission {
     if (!last && path_.joint[b] == Joint::stop && !result_.plan.command()->moved.empty()) return servo_rest(b);
     if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
     int delay = result_.plan.delay(b);
-    if (kind_of(result_, b) == DelayKind::exact_stop) delay -= filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
+    if (kind_of(result_, b) == DelayKind::exact_stop)
+      delay -= result_.plan.filter().last_nonzero_tap() - result_.plan.filter().first_nonzero_tap();
     if (delay > 0) line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
   }
 
   /// The wait of a stop for the servo, beyond the rest of the command.
   void servo_rest(std::size_t b) {
-    const int longer = result_.plan.delay(b) - (filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+    const int longer =
+        result_.plan.delay(b) - (result_.plan.filter().last_nonzero_tap() - result_.plan.filter().first_nonzero_tap());
     if (longer > 0) line("G4 P{}", plain_number(static_cast<double>(longer) * result_.sample_period, 9));
   }
 
   const ProgramResult& result_;
   const Toolpath& path_;
-  const Filter& filter_;
   const Machine machine_;  // one axis a dimension
   EmittedLines lines_;
   TimedMoves timed_;
+  DialectWords words_;
   const int decimals_;
   std::string mode_, feed_;
   std::vector<std::string> written_;  // of every axis; a program begins at the origin unless it is told otherwise

@@ -128,6 +128,7 @@ std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolp
 void say_settings(ProgramResult& result, const ProgramFilter& choice, const Toolpath& programmed, const Task& task,
                   const ProgramFileOptions& options) {
   result.settings = choice.settings;
+  result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
   if (result.plan.empty()) return;
   const FilteredCommand& command = *result.plan.command();
   CommandDelays delays = command_delays(result.plan.path, command.filter, task.sample_period, command.delays);

@@ -43,8 +43,7 @@ class SummaryText {
   explicit SummaryText(const ProgramResult& result) : result_(result) {}
 
   std::string write() {
-    if (result_.settings && result_.verification.feasible)
-      put("{}\n", program_settings_answer(*result_.settings, result_.cycle_time, result_.has_today));
+    if (const std::string answer = program_answer(result_); !answer.empty()) put("{}\n", answer);
     head();
     times();
     estimates();

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
@@ -24,6 +25,7 @@ ProgramResult fixed_with_bounds(const std::string& name, ProgramFile& file, cons
     bound = corner_bound_of(file.path, task, most);
   }
   ProgramResult result = run_fixed_plan(name, file, task, options, tell);
+  result.taps_control = control_of_taps(task);
   if (bound && !result.plan.empty())
     result.corner_bound = corner_bound_as_read(*bound, chords, name, file, task, options);
   return result;

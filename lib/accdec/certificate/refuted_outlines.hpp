@@ -1,0 +1,44 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include <accdec/certificate/checked_response.hpp>
+#include <accdec/certificate/family_members.hpp>
+
+// Internal to the room: members that break a limit by their lengths alone, for the check of proof::FamilyEnumeration.
+
+namespace accdec {
+
+/// Refutes moving averages with impulses behind them before their taps are made. There are a hundred times as many as
+/// those that need them.
+///  * Some tap is at least the largest impulse's weight times the largest tap of the averages. This tap is 1 over the
+///    longest average, if that one is as long as the others in series. Otherwise it is at least 1 over their number.
+///  * Neighbouring taps differ by at least the first impulse's weight over the product of the two longest averages. The
+///    difference of an average of length a is 1/a at its first sample, and then nothing until a samples later. By then
+///    the others have passed their largest tap. This holds if the second impulse comes later.
+///  * The rest of a vibration is a product, one factor for each average and one for the impulses.
+class RefutedOutlines {
+ public:
+  /// @param granted    the task with the limits that verification grants
+  /// @param order_end  no member is longer
+  RefutedOutlines(const Task& granted, const CheckedResponse& response, int order_end);
+
+  /// The limit that is broken; null: none is seen.
+  const char* rule(const AveragesOutline& outline) const;
+
+ private:
+  /// A frequency with a damping ratio: its turn from sample to sample, and what it leaves behind averages by length.
+  struct Line {
+    std::complex<double> turn;
+    double allowed;  ///< over what the control's smoothing leaves
+    std::vector<double> left;
+  };
+  bool rings(const AveragesOutline& outline, double weight) const;
+
+  double tap_max_, step_max_;  ///< more breaks an acceleration or a jerk
+  std::vector<Line> lines_;
+};
+
+}  // namespace accdec
