@@ -23,29 +23,26 @@ std::string settings_text(const ComparisonData& data) {
   }
   if (!longer.empty()) longer += ".";
   return fmt::format(
-      "{} problems (each at each of its sizes counts as one) from {} starts, {} algorithms, {} repeats in shuffled "
-      "order. The same for all: a process of its own for each run, "
-      "{:g} s until the evaluator ends it and {:g} s until the process is killed, at most {} evaluations of the "
-      "objective, {:g} as the tolerance of the library's own tests of convergence (which differ in kind) and "
-      "rows within a tenth of what they are judged by. Judged by recomputation, answers and what was found on the way "
-      "alike: every row and bound, scaled to 1, within {:g}; "
-      "the reference counts as reached within {:g} of max(1, reference). Solvers that take no equality rows, or only "
-      "boxes, and those the suite names get the problem with "
-      "positions substituted (form `reduced`, no second derivatives); everything is judged in that form. Start 0 is a "
-      "trapezoid; the others multiply its taps by random "
-      "factors, the same for every solver. Whole designs (formulation `design`) are judged by simulating the motion "
-      "instead, every limit within 1e-9 of itself, and rows are "
-      "asked within 1e-9 there; the limit on evaluations is that of each single solve in them. A time is of the solve "
-      "alone, with what a first call in a process costs: to the "
-      "end is until the solver ended, to accuracy until the first feasible point within the accuracy of the reference. "
-      "Every repeat is judged, and one whose answer does not "
-      "reach the reference counts as infinitely slow by both times, whatever it met on the way; the median over "
-      "repeats stands for a run. Not repeated are runs that were "
-      "refused or crashed, and runs that used up their time and ended ten times farther from the reference than counts "
-      "as reached. Problems proved infeasible are not in "
-      "the profiles: there, the right answer is to say so (infeasible recognised). A design search with these solvers "
-      "can only say that it found no design, which counts "
-      "for itself and not as recognised.{}",
+      "{} problems (each size of a problem counts as one) from {} starts, {} algorithms, {} repeats in shuffled order. "
+      "All runs have the same conditions. Each run has a process of its own. The evaluator ends it after {:g} s, and "
+      "the process is killed after {:g} s. The objective may be evaluated {} times. The tolerance of the library's own "
+      "convergence test is {:g}; these tests differ in kind. Rows must hold within a tenth of the tolerance by which "
+      "they are judged. Every answer, and every point on the way, is judged by recomputation: every row and bound, "
+      "scaled to 1, must hold within {:g}. The reference counts as reached within {:g} of max(1, reference). Some "
+      "solvers take no equality rows, or only boxes. These, and those that the suite names, get the problem with "
+      "positions substituted (form `reduced`, no second derivatives). Everything is judged in that form. Start 0 is a "
+      "trapezoid. The other starts multiply its taps by random factors, the same for every solver. Whole designs "
+      "(formulation `design`) are judged by simulating the motion instead: every limit must hold within 1e-9 of "
+      "itself, and the solver must hold rows within 1e-9. There, the limit on evaluations is that of each single "
+      "solve. "
+      "Times are those of the solve alone, with what a first call in a process costs. The time to the end lasts until "
+      "the solver ended. The time to accuracy lasts until the first feasible point within the accuracy of the "
+      "reference. Every repeat is judged. If its answer does not reach the reference, it counts as infinitely slow by "
+      "both times, whatever points it met on the way. A run has the median over its repeats. Runs that were refused or "
+      "crashed are not repeated. Neither are runs that used up their time and ended ten times farther from the "
+      "reference than counts as reached. Problems proved infeasible are not in the profiles: there, the right answer "
+      "is to say so (infeasible recognised). A design search with these solvers can only say that it found no design. "
+      "This is counted separately and not as recognised.{}",
       data.cases.size(), data.starts, data.solvers.size(), data.repeats, h.value("time_limit_s", 0.0),
       h.value("kill_after_s", 0.0), h.value("evaluation_limit", 0L), h.value("tolerance", 0.0),
       h.value("feasibility", 0.0), h.value("accuracy", 0.0), longer);
@@ -56,10 +53,10 @@ std::string session_text(const ComparisonData& data) {
   const batch::Row& s = data.session;
   const double all = s.value("wall_time_s", 0.0) * s.value("workers", 1);
   return fmt::format(
-      "The last session computed {} entries in {:.1f} s with {} workers: {:.1f} s inside the solvers ({:.0f} % of that "
-      "in the problems' functions), {:.1f} s judging answers, {:.1f} s "
-      "proving references; {:.2f} % of the workers' time went into processes, starts, building of problems, waiting "
-      "and records.",
+      "The last session computed {} entries in {:.1f} s with {} workers. {:.1f} s were spent inside the solvers "
+      "({:.0f} "
+      "% of that in the problems' functions), {:.1f} s judging answers, and {:.1f} s proving references. {:.2f} % of "
+      "the workers' time went into processes, starts, building of problems, waiting and records.",
       s.value("entries", 0), s.value("wall_time_s", 0.0), s.value("workers", 1), s.value("solving_s", 0.0),
       100.0 * s.value("evaluating_s", 0.0) / std::max(1e-9, s.value("solving_s", 0.0)), s.value("judging_s", 0.0),
       s.value("references_s", 0.0), all > 0.0 ? 100.0 * s.value("bookkeeping_share", 0.0) : 0.0);
@@ -68,12 +65,12 @@ std::string session_text(const ComparisonData& data) {
 /// Says that there is no contradiction.
 std::string no_contradiction(const ComparisonData& data) {
   return html_paragraph(
-      fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound), none is of a "
-                  "problem proved infeasible, and every problem is feasible or not as the suite says.",
+      fmt::format("No verified answer lies below a proved bound by more than {:g} of max(1, bound). No verified answer "
+                  "is of a problem proved infeasible. Every problem is feasible or not as the suite says.",
                   data.accuracy));
 }
 
-/// Lists contradictions: then nothing on the page can be trusted.
+/// Lists contradictions. If there are any, nothing on the page can be trusted.
 std::string contradictions_html(const ComparisonData& data) {
   if (data.contradictions.empty()) return "";
   std::string html = "<h2>Contradictions</h2>\n<ul>\n";
@@ -86,24 +83,25 @@ std::string figure_notes(const std::string& name) {
   const auto is = [&](const char* kind) { return name == kind || name == fmt::format("design-{}", kind); };
   if (is("performance")) {
     return html_paragraph(
-        "The time counts until the first feasible point within the accuracy that is judged, so that nobody is charged "
-        "for polishing beyond it; solved are only runs that ended with an "
-        "answer as good, since who does not know the reference has the answer alone to go by. Costs are divided by the "
-        "least of the plain solvers, those that are no variants: "
-        "otherwise variants of one would take its wins from it. The same runs are solved in the next figure, by the "
-        "time until the solver ended by its own test, "
-        "the tests of the libraries being of different kinds.");
+        "The time counts until the first feasible point within the accuracy that is judged, so that polishing beyond "
+        "it "
+        "costs nothing. Only runs that ended with an answer as good count as solved: without the reference, the answer "
+        "is all that a user has. Costs are divided by the least cost of the plain solvers. Variants are left out of "
+        "it, "
+        "because they would take wins from the solver that they vary. The next figure has the same runs, by the time "
+        "until the solver ended by its own test. These tests differ in kind.");
   }
   if (is("data")) {
     return html_paragraph(
-        "Evaluations are the greater of the numbers of evaluations of the objective and of the rows; gradients, "
-        "Jacobians and Hessians are free. Solvers with derivatives are therefore "
-        "comparable here with each other only, and even then second derivatives come free; so are those with values "
-        "only. Met is met, whatever answer came of it.");
+        "The number of evaluations is that of the objective or that of the rows, whichever is larger. Gradients, "
+        "Jacobians and Hessians are free. So solvers with derivatives can be compared only with each other, and even "
+        "then second derivatives are free. Solvers with values only can be compared with each other, too. A target "
+        "counts as met whatever the final answer is.");
   }
   if (is("runtime"))
     return html_paragraph(
-        "Met is met, whatever answer came of it: these curves may end higher than the shares of problems solved.");
+        "A target counts as met whatever the final answer is. So these curves may end higher than the shares of "
+        "problems solved.");
   return "";
 }
 
@@ -180,15 +178,15 @@ std::vector<std::pair<std::string, std::string>> comparison_documents(const std:
   if (const std::string notes = data.header.value("notes", ""); !notes.empty()) how = html_paragraph(notes) + how;
   if (const std::string session = session_text(data); !session.empty()) how += html_paragraph(session);
   how += html_paragraph(
-      "Points on the way are recorded thinned: a time, or number of evaluations, to a target is that of the first "
-      "point "
-      "within the target or, at most, of the first nearer by a tenth of the target's distance. So are the times to "
-      "accuracy. Each solver has the same line and symbol in all figures but those of pairs.");
+      "Not every point on the way is recorded. The time, or number of evaluations, to a target is that of a recorded "
+      "point: the first within the target, or at the latest the first that is nearer by a tenth of the target's "
+      "distance. This holds for times to accuracy, too. Each solver has the same line and symbol in all figures but "
+      "those of pairs.");
   html += html_folded("How it was run and judged", how);
   html += html_paragraph(
-      "Raw data: raw.jsonl; the table above: answer.csv; every run: runs.csv; confusion by solver: confusion.csv; "
-      "every "
-      "pair: pairs.csv; how it was made: manifest.json.");
+      "Raw data: raw.jsonl. The table above: answer.csv. Every run: runs.csv. Confusion by solver: confusion.csv. "
+      "Every "
+      "pair: pairs.csv. How it was made: manifest.json.");
   documents.emplace_back("report.html", html + html_foot());
   const ComparisonTable leaderboard = leaderboard_table(data);
   documents.emplace_back("leaderboard.csv", csv_table(leaderboard.head, leaderboard.rows));
