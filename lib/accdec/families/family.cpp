@@ -37,7 +37,7 @@ const RealParameter time_constants{
       spec.ratio = std::min(std::exp(-value / std::max(1, spec.order)), exponential_ratio_max);
     }};
 
-const RealParameter alpha{zero, 6.0, false,
+const RealParameter alpha{zero, gaussian_alpha_max, false,
                           [](int order, double value) {
                             return taps_of(order, [=](int i) {
                               const double z = value * 2.0 * (i - 0.5 * order) / order;

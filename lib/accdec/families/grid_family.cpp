@@ -13,7 +13,6 @@ namespace {
 constexpr std::array<GridFamily, 3> grid_families{{{SettingFamily::exponential, "time constant", "ms", 1e3, 1},
                                                    {SettingFamily::gaussian, "alpha", "", 1.0, 1},
                                                    {SettingFamily::windowed_sinc, "cut-off", "Hz", 1.0, 2}}};
-constexpr double largest_alpha = 6.0;
 
 /// A multiple at the end of its range counts in spite of rounding.
 constexpr double at_end = 1.0 + 1e-9;
@@ -35,7 +34,7 @@ double grid_step(const Task& task, SettingFamily family) {
 
 int largest_multiple(const Task& task, SettingFamily family, int order) {
   double largest = (task.design.order_max + 1.0) * task.sample_period;
-  if (family == SettingFamily::gaussian) largest = largest_alpha;
+  if (family == SettingFamily::gaussian) largest = gaussian_alpha_max;
   if (family == SettingFamily::windowed_sinc) largest = 1.0 / (order * task.sample_period);
   return static_cast<int>(std::min(largest / grid_step(task, family) * at_end, 1e9));
 }
@@ -43,7 +42,7 @@ int largest_multiple(const Task& task, SettingFamily family, int order) {
 FilterSpec grid_member(const Task& task, SettingFamily family, int order, int multiple) {
   const double number = multiple * grid_step(task, family);
   if (family == SettingFamily::gaussian)
-    return {.kind = Shape::gaussian, .order = order, .alpha = std::min(number, largest_alpha)};
+    return {.kind = Shape::gaussian, .order = order, .alpha = std::min(number, gaussian_alpha_max)};
   if (family == SettingFamily::windowed_sinc) {
     const double cutoff = 2.0 * number * task.sample_period;
     return {.kind = Shape::blackman_sinc, .order = order, .cutoff = std::min(cutoff, 2.0 / order)};

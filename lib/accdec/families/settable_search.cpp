@@ -28,11 +28,7 @@ class Members {
         pairs_(shaper_ != nullptr ? shaper_->pairs : 0),
         delays_(shaper_ != nullptr ? shaper_delays(task, task.design.order_max) : std::vector{0.0}) {
     for (const SettableStage& stage : task.settings->stages) {
-      lengths_.push_back(settable_lengths(stage, task.sample_period, task.design.order_max + 1));
-      // An average of one sample changes nothing: the stage is off. A pole of one sample is none.
-      const int off = family == SettingFamily::one_pole ? 0 : 1;
-      if (lengths_.back().empty() || lengths_.back().front() != off)
-        lengths_.back().insert(lengths_.back().begin(), off);
+      lengths_.push_back(stage_options(family, stage, task.sample_period, task.design.order_max + 1));
       std::vector<char> allowed(static_cast<std::size_t>(task.design.order_max) + 2, 0);
       for (const int length : lengths_.back()) allowed[static_cast<std::size_t>(length)] = 1;
       allowed_.push_back(std::move(allowed));
@@ -106,13 +102,7 @@ class Members {
   }
 
   bool offer(const MemberVisitor& visit) {
-    FilterSpec spec{.kind = Shape::averages, .pairs = pairs_, .pair_delay = pair_delay_};
-    if (shaper_ != nullptr) spec.outer = shaper_->outer;
-    for (const int length : current_) {
-      if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
-    }
-    if (spec.lengths.empty()) spec.lengths.push_back(1);
-    std::sort(spec.lengths.begin(), spec.lengths.end(), std::greater<>());
+    const FilterSpec spec = settable_spec(family_, current_, shaper_, pair_delay_);
     return visit(spec, spec.lengths);
   }
 
@@ -154,18 +144,14 @@ void search_family(const Task& task, SettingFamily family, int stages_on, const 
   if (!found.best()) return;
   best.cost = found.cost();
   best.delays = found.delays();
-  ChosenSettings chosen{.family = family, .filter = *found.best()};
-  chosen.values = values_of(*task.settings, lengths, task.sample_period);
-  if (multiple > 0) chosen.values.push_back(grid_setting(task, family, multiple));
-  if (shaper_of(chosen.filter) != nullptr)
-    chosen.values.push_back(shaper_setting(*task.settings, chosen.filter, task.sample_period));
+  ChosenSettings chosen = chosen_settings(task, family, *found.best(), lengths, multiple);
   chosen.delays = best.delays.kinds;
   chosen.width = best.delays.width;
   best.chosen = std::move(chosen);
 }
 
-}  // namespace
-
+/// The lengths that step, cap or set of a stage allow, samples, rising; without that of a stage that is off.
+/// @param most  samples: longer ones are left out
 std::vector<int> settable_lengths(const SettableStage& stage, double period, int most) {
   std::vector<int> lengths;
   const auto samples = [=](double time) { return std::lround(std::min(time / period, 1e9)); };
@@ -182,6 +168,7 @@ std::vector<int> settable_lengths(const SettableStage& stage, double period, int
   return lengths;
 }
 
+/// Settings of stages in a controller's words, off stages as 0. @param lengths  samples, one a stage; 0: off
 std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period) {
   std::vector<Setting> values;
   for (std::size_t s = 0; s < lengths.size(); ++s) {
@@ -190,6 +177,48 @@ std::vector<Setting> values_of(const ControllerSettings& settings, const std::ve
     values.push_back({stage.name, std::round(1e9 * time / stage.unit_seconds) / 1e9, stage.unit});
   }
   return values;
+}
+
+/// The frequency to which a filter's shaper is set. @param filter  with a shaper that these settings allow
+Setting shaper_setting(const ControllerSettings& settings, const FilterSpec& filter, double period) {
+  const ShaperInfo& shaper = *shaper_of(filter);
+  double frequency = shaper.delay_periods / (filter.pair_delay * period);
+  // A multiple of the step, without digits that rounding made.
+  if (const double step = settings.shaper_frequency_step; step > 0.0)
+    frequency = std::stod(fmt::format("{:.15g}", std::round(frequency / step) * step));
+  return {std::string(shaper.title), frequency, "Hz"};
+}
+
+}  // namespace
+
+std::vector<int> stage_options(SettingFamily family, const SettableStage& stage, double period, int most) {
+  const int off = family == SettingFamily::one_pole ? 0 : 1;
+  std::vector<int> lengths = settable_lengths(stage, period, most);
+  std::erase_if(lengths, [off](int length) { return length <= off; });
+  lengths.insert(lengths.begin(), off);
+  return lengths;
+}
+
+FilterSpec settable_spec(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper,
+                         double pair_delay) {
+  if (family == SettingFamily::one_pole) return cut_poles({lengths.begin(), lengths.end()});
+  FilterSpec spec{.kind = Shape::averages};
+  if (shaper != nullptr) spec.pairs = shaper->pairs, spec.outer = shaper->outer, spec.pair_delay = pair_delay;
+  for (const int length : lengths) {
+    if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
+  }
+  if (spec.lengths.empty()) spec.lengths.push_back(1);
+  std::sort(spec.lengths.begin(), spec.lengths.end(), std::greater<>());
+  return spec;
+}
+
+ChosenSettings chosen_settings(const Task& task, SettingFamily family, const FilterSpec& filter,
+                               const std::vector<int>& lengths, int multiple) {
+  ChosenSettings chosen{.family = family, .filter = filter};
+  chosen.values = values_of(*task.settings, lengths, task.sample_period);
+  if (multiple > 0) chosen.values.push_back(grid_setting(task, family, multiple));
+  if (shaper_of(filter) != nullptr) chosen.values.push_back(shaper_setting(*task.settings, filter, task.sample_period));
+  return chosen;
 }
 
 std::vector<double> shaper_delays(const Task& task, int order_max) {
@@ -204,15 +233,6 @@ std::vector<double> shaper_delays(const Task& task, int order_max) {
   for (auto m = static_cast<int>(all * (1.0 + 1e-12)); m >= 1 && all / m <= longest + shaper_snap; --m)
     delays.push_back(std::max(1.0, all / m));
   return delays;
-}
-
-Setting shaper_setting(const ControllerSettings& settings, const FilterSpec& filter, double period) {
-  const ShaperInfo& shaper = *shaper_of(filter);
-  double frequency = shaper.delay_periods / (filter.pair_delay * period);
-  // A multiple of the step, without digits that rounding made.
-  if (const double step = settings.shaper_frequency_step; step > 0.0)
-    frequency = std::stod(fmt::format("{:.15g}", std::round(frequency / step) * step));
-  return {std::string(shaper.title), frequency, "Hz"};
 }
 
 SettableDesign best_settings(const Task& task, double seconds, const std::atomic<bool>* cancel) {

@@ -28,19 +28,24 @@ struct SettableDesign {
 /// @param cancel   ends the search as the time does; null: nothing does
 SettableDesign best_settings(const Task& task, double seconds = unlimited, const std::atomic<bool>* cancel = nullptr);
 
-/// The lengths that step, cap or set of a stage allow, samples, rising; without that of a stage that is off.
+/// The lengths that step, cap or set of a stage allow, samples, rising. Off stands first: 1, as an average of one
+/// sample changes nothing, or 0 of a pole.
 /// @param most  samples: longer ones are left out
-std::vector<int> settable_lengths(const SettableStage& stage, double period, int most);
+std::vector<int> stage_options(SettingFamily family, const SettableStage& stage, double period, int most);
 
-/// Settings of stages in a controller's words, off stages as 0. @param lengths  samples, one a stage; 0: off
-std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period);
+/// The filter of a pole, or of averages in any order. @param lengths  samples, one a stage, as of stage_options
+/// @param shaper  behind the averages; null: none  @param pair_delay  between its impulses, samples
+FilterSpec settable_spec(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper,
+                         double pair_delay);
+
+/// A member in the controller's words, without its delays.
+/// @param lengths  samples, one a stage; 0: off  @param multiple  of the step of a real number; 0: none
+ChosenSettings chosen_settings(const Task& task, SettingFamily family, const FilterSpec& filter,
+                               const std::vector<int>& lengths, int multiple);
 
 /// The times between a shaper's impulses that can be set, samples, rising. They are whole samples, or those of all
 /// frequencies of the control's step.
 /// @param task  with a shaper  @param order_max  no filter is longer
 std::vector<double> shaper_delays(const Task& task, int order_max);
-
-/// The frequency to which a filter's shaper is set. @param filter  with a shaper that these settings allow
-Setting shaper_setting(const ControllerSettings& settings, const FilterSpec& filter, double period);
 
 }  // namespace accdec

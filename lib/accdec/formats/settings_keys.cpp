@@ -8,7 +8,7 @@
 namespace accdec {
 namespace {
 
-constexpr double longest_ms = 1e6, largest_alpha = 6.0;
+constexpr double longest_ms = 1e6;
 constexpr std::size_t most_stages = 3, longest_set = 1000;
 
 template <class Names>
@@ -179,7 +179,7 @@ std::vector<Key> setting_keys() {
        .example = "0.5"},
       {.name = "alpha_step",
        .meaning = "with family = \"gaussian\": alpha, the half width over the standard deviation, is a multiple",
-       .range = {largest_alpha / most_numbers, largest_alpha},
+       .range = {gaussian_alpha_max / most_numbers, gaussian_alpha_max},
        .fallback = "0.1",
        .example = "0.25"},
       {.name = "cutoff_step_Hz",

@@ -130,8 +130,7 @@ CommandDelays command_delays(const Toolpath& path, const Filter& filter, double 
 
 bool corner_feeds_had(const Toolpath& path, const Toolpath& programmed, const std::vector<int>& delays, double step) {
   if (!(step > 0.0)) return true;
-  constexpr double snapped = 1e-5;  // durations are lowered to whole samples by less
-  const auto multiple = [&](double part) { return part >= 1.0 - snapped ? 0.0 : part / step; };
+  const auto multiple = [&](double part) { return part >= 1.0 - snapped_part ? 0.0 : part / step; };
   for (std::size_t b = 0, p = 0; b + 1 < path.blocks(); ++b) {
     if (path.joint[b] != Joint::corner) continue;
     while (programmed.joint[p] != Joint::corner) ++p;
@@ -139,7 +138,7 @@ bool corner_feeds_had(const Toolpath& path, const Toolpath& programmed, const st
     const double in = multiple(commanded_feed(path, b) / first), out = multiple(commanded_feed(path, b + 1) / second);
     if (delays[b] > 0 || !lowered_beside(path, b)) continue;
     const double whole = std::round(in);
-    if (std::abs(in - whole) > snapped * whole || std::abs(out - whole) > snapped * whole) return false;
+    if (std::abs(in - whole) > snapped_part * whole || std::abs(out - whole) > snapped_part * whole) return false;
   }
   return true;
 }

@@ -18,6 +18,9 @@ struct CommandDelays {
   std::string wrong;                   ///< the first joint whose delay cannot be had; empty: the control gives them all
 };
 
+/// More than the part of a duration by which whole samples may lower it (snap_durations, snap_runs).
+inline constexpr double snapped_part = 1e-5;
+
 /// Follows the command, so that feeds that change shortly before a joint count. A joint is in-position in the first
 /// sample in which the filtered command is within the width of it.
 /// @param delays  samples, one a block

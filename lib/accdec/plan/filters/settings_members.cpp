@@ -20,18 +20,6 @@ Number nearest(const std::vector<Number>& options, double length) {
   return *above - length < length - *(above - 1) ? *above : *(above - 1);
 }
 
-FilterSpec spec_of(SettingFamily family, const std::vector<int>& lengths, const ShaperInfo* shaper, double pair_delay) {
-  if (family == SettingFamily::one_pole) return cut_poles({lengths.begin(), lengths.end()});
-  FilterSpec spec{.kind = Shape::averages};
-  if (shaper != nullptr) spec.pairs = shaper->pairs, spec.outer = shaper->outer, spec.pair_delay = pair_delay;
-  for (const int length : lengths) {
-    if (length > 1) spec.lengths.push_back(length), spec.order += length - 1;
-  }
-  if (spec.lengths.empty()) spec.lengths.push_back(1);
-  std::sort(spec.lengths.begin(), spec.lengths.end(), std::greater<>());
-  return spec;
-}
-
 }  // namespace
 
 std::vector<int> SettableMember::key() const {
@@ -46,13 +34,8 @@ std::vector<int> SettableMember::key() const {
 SettableMembers::SettableMembers(const Task& task) : task_(task) {
   const int longest = task.design.order_max + 1;
   for (const SettableStage& stage : task.settings->stages) {
-    std::vector<int> lengths = settable_lengths(stage, task.sample_period, longest);
-    std::erase_if(lengths, [](int length) { return length < 1; });
-    poles_.push_back(lengths);
-    poles_.back().insert(poles_.back().begin(), 0);
-    std::erase(lengths, 1);
-    lengths.insert(lengths.begin(), 1);
-    averages_.push_back(std::move(lengths));
+    poles_.push_back(stage_options(SettingFamily::one_pole, stage, task.sample_period, longest));
+    averages_.push_back(stage_options(SettingFamily::averages, stage, task.sample_period, longest));
   }
   if (task.settings->shaper != nullptr) delays_ = shaper_delays(task, task.design.order_max);
   for (const SettingFamily family : families()) list(family);
@@ -108,7 +91,7 @@ void SettableMembers::add(SettingFamily family, const std::vector<double>& lengt
   }
   const ShaperInfo* shaper = shaper_behind(family);
   if (shaper != nullptr && (!(pair_delay > 0.0) || delays_.empty())) return;
-  member.spec = spec_of(family, member.lengths, shaper, shaper != nullptr ? nearest(delays_, pair_delay) : 0.0);
+  member.spec = settable_spec(family, member.lengths, shaper, shaper != nullptr ? nearest(delays_, pair_delay) : 0.0);
   if (member.order() < task_.design.order_min || member.order() > task_.design.order_max) return;
   members.push_back(std::move(member));
 }
@@ -254,20 +237,15 @@ void SettableMembers::list(SettingFamily family) {
 }
 
 ChosenSettings SettableMembers::chosen(const SettableMember& member) const {
-  ChosenSettings chosen{.family = member.family, .filter = member.spec};
   std::vector<int> lengths = member.lengths;
+  int multiple = 0;
   if (find_grid_family(member.family) != nullptr) {
-    // The second number is a multiple, of which 1 is as good as another.
-    const bool on = lengths.front() > 1;
-    chosen.values = values_of(*task_.settings, {on ? lengths.front() : 0}, task_.sample_period);
-    if (on) chosen.values.push_back(grid_setting(task_, member.family, lengths[1]));
-    return chosen;
+    // The second number is a multiple. If the filter is off, each multiple is as good as another.
+    if (lengths.front() > 1) multiple = lengths[1];
+    lengths.resize(1);
   }
   if (member.family != SettingFamily::one_pole) std::replace(lengths.begin(), lengths.end(), 1, 0);
-  chosen.values = values_of(*task_.settings, lengths, task_.sample_period);
-  if (shaper_of(member.spec) != nullptr)
-    chosen.values.push_back(shaper_setting(*task_.settings, member.spec, task_.sample_period));
-  return chosen;
+  return chosen_settings(task_, member.family, member.spec, lengths, multiple);
 }
 
 }  // namespace accdec

@@ -82,8 +82,7 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
     step_ = std::max(step_, length_of(path, b) / path.duration[b] * task.sample_period);
   }
-  constexpr double snapped = 1e-5;  // more than durations are lowered by
-  moving_ = std::floor(time * (1.0 - snapped) / task.sample_period);
+  moving_ = std::floor(time * (1.0 - snapped_part) / task.sample_period);
 }
 
 std::optional<Filter> SettingsTrials::command(const Filter& set) const {
