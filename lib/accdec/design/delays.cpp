@@ -147,34 +147,32 @@ FoundDelays find_delays(const Task& task, const Filter& filter, bool simulate, c
   const std::size_t told_every = 1 + task.corners.size() / 100;
   FoundDelays found;
   for (const TaskCorner& corner : task.corners) {
-    const double period = task.sample_period;
-    int delay =
-        corner.delay.value_or(corner.error_max && smallest
-                                  ? (*smallest)(corner.geometry().cos_interior(), corner.geometry().feed_in * period,
-                                                corner.geometry().feed_out * period, granted_error(*corner.error_max))
-                                  : 0);
+    const int least = corner.delay.value_or(
+        corner.error_max && smallest
+            ? delay_for_error(*smallest, corner.geometry(), task.sample_period, granted_error(*corner.error_max))
+            : 0);
     // From N + 1 on, the legs do not overlap, but the last step of one acceleration still meets the first of the other.
     // From N + 2 on nothing changes, except for the phase of modes of axes.
-    const int last = corner.delay.value_or(std::max(delay, last_delay(task, filter.order() + response.order())));
+    const int last = corner.delay.value_or(std::max(least, last_delay(task, filter.order() + response.order())));
     CornerCheck check(task, corner, filter, behind, limits, simulate);
-    bool holds = false;
-    while (++found.tried, !stopped() && !(holds = check.holds(delay)) && delay < last) ++delay;
+    const auto holds = [&](int d) { return ++found.tried, !stopped() && check.holds(d); };
+    const std::optional<int> delay = first_delay(least, last, holds, [&](int) { return stopped(); });
     if (stopped()) {
       found.unfinished = true;
       return found;
     }
-    if (!holds) {
-      const std::string broken = check.broken(delay);
+    if (!delay) {
+      const std::string broken = check.broken(last);
       found.impossible = corner.delay
                              ? fmt::format("this filter breaks a limit at the given delay: {}", broken)
                              : fmt::format("this filter breaks a limit at corner {} whatever its delay; at d = {}: {}",
-                                           corner.name, delay, broken);
+                                           corner.name, last, broken);
       found.unproved = !corner.delay && has_mode_of_axis(task.machine);
       return found;
     }
-    found.delays.push_back(delay);
+    found.delays.push_back(*delay);
     if (progress && found.delays.size() % told_every == 0)
-      progress(fmt::format("corner {}: d = {}", corner.name, delay));
+      progress(fmt::format("corner {}: d = {}", corner.name, *delay));
   }
   return found;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <accdec/corner.hpp>
@@ -23,6 +24,22 @@ inline constexpr double formula_slack = 1.0 + 0.9 * verification_tolerance;
 /// @param stop  polled; true ends it with any answer
 bool holds_without_blends(const BlendLimits& limits, const Filter& filter, const Task& task,
                           const std::function<bool()>& stop);
+
+/// The smallest delay at which a corner's error is at most `allowed`, m. @param finder  of the motion's filter
+inline int delay_for_error(const DelayFinder& finder, const Corner& corner, double period, double allowed) {
+  return finder(corner.cos_interior(), corner.feed_in * period, corner.feed_out * period, allowed);
+}
+
+/// The first delay from `from` to `last` that holds. None if none does, or if `ends` says after one that does not hold
+/// that longer ones need not be tried.
+template <class Holds, class Ends>
+std::optional<int> first_delay(int from, int last, const Holds& holds, const Ends& ends) {
+  for (int delay = from; delay <= last; ++delay) {
+    if (holds(delay)) return delay;
+    if (ends(delay)) break;
+  }
+  return std::nullopt;
+}
 
 /// The delay from which on longer ones change nothing. The phase between the legs still changes what a mode of an axis
 /// is left with. There it is a period of the slowest mode more, and longer delays may hold what none up to it does.

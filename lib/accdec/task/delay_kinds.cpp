@@ -117,23 +117,21 @@ class KindChoice {
     const std::optional<int> given = task_.corners[j].delay;
     if (names(kinds_, DelayKind::continuous) && given.value_or(0) == 0 && holds(j, 0))
       return {0, DelayKind::continuous};
+    const auto held = [&](int d) { return !late_ && holds(j, d); };
+    const auto late = [&](int /*delay*/) { return late_; };
     for (const DelayKind free : {DelayKind::dwell, DelayKind::timed_axis}) {
       if (!names(kinds_, free)) continue;
-      const int last = given.value_or(last_);
-      for (int d = least_.of(j); d <= last && !late_; ++d) {
-        if (!holds(j, d)) {
-          if (!checks_[j].longer_may_hold(d)) break;
-          continue;
-        }
-        const bool stops = d >= least_.apart() && names(kinds_, DelayKind::exact_stop);
-        return {d, stops ? DelayKind::exact_stop : free};
-      }
+      const auto ends = [&](int d) { return late_ || !checks_[j].longer_may_hold(d); };
+      const auto d = first_delay(least_.of(j), given.value_or(last_), held, ends);
+      if (!d) continue;
+      const bool stops = *d >= least_.apart() && names(kinds_, DelayKind::exact_stop);
+      return {*d, stops ? DelayKind::exact_stop : free};
     }
     if (names(kinds_, DelayKind::exact_stop)) {
       // An exact stop waits for the command, whatever the servo still has to go.
-      for (int d = least_.apart(); d <= least_.apart() + exact_stop_more && !late_; ++d) {
-        if (given.value_or(d) == d && holds(j, d)) return {d, DelayKind::exact_stop};
-      }
+      const int apart = least_.apart(), most = apart + exact_stop_more;
+      const auto may_stop = [&](int d) { return given.value_or(d) == d && held(d); };
+      if (const auto d = first_delay(apart, most, may_stop, late)) return {*d, DelayKind::exact_stop};
     }
     return {};
   }

@@ -59,12 +59,11 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
   std::vector<int> delays;
   const LinearCost linear = cost_of(task);
   for (const TaskCorner& corner : task.corners) {
-    const double step_in = corner.geometry().feed_in * task.sample_period,
-                 step_out = corner.geometry().feed_out * task.sample_period;
     // If axes respond differently, any delay may hold an error.
-    const int least = corner.error_max && !behind.differs() ? smallest(corner.geometry().cos_interior(), step_in,
-                                                                       step_out, *corner.error_max * formula_slack)
-                                                            : 0;
+    const int least =
+        corner.error_max && !behind.differs()
+            ? delay_for_error(smallest, corner.geometry(), task.sample_period, *corner.error_max * formula_slack)
+            : 0;
     delays.push_back(corner.delay.value_or(least));
   }
   double cost = linear(filter.order(), delays);
@@ -76,13 +75,14 @@ std::optional<std::vector<int>> delays_by_formula(const Filter& filter, const Ta
     // From N + 1 on, the legs do not overlap, but the last step of one acceleration still meets the first of the other.
     const int last = corner.delay.value_or(std::max(delays[j], last_delay(task, behind.longest_order())));
     BlendCheck check(behind, corner, task, limits);
-    for (;;) {
-      if (stop && stop()) return std::nullopt;
-      if (check.holds(delays[j])) break;
-      if (!check.longer_may_hold(delays[j])) return std::nullopt;
-      cost += linear.delay[j];
-      if (++delays[j] > last || cost >= samples) return std::nullopt;
-    }
+    bool stopped = false;
+    const auto holds = [&](int delay) { return !(stopped = stop && stop()) && check.holds(delay); };
+    const auto ends = [&](int delay) {
+      return stopped || !check.longer_may_hold(delay) || (cost += linear.delay[j]) >= samples;
+    };
+    const std::optional<int> found = first_delay(delays[j], last, holds, ends);
+    if (!found) return std::nullopt;
+    delays[j] = *found;
   }
   return delays;
 }

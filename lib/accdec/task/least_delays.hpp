@@ -75,10 +75,8 @@ class LeastDelays {
     for (const TaskCorner& corner : task.corners) {
       least_.push_back(corner.delay.value_or(0));
       if (corner.delay || !corner.error_max || behind.differs()) continue;
-      const Corner& g = corner.geometry();
       const double allowed = std::max(*corner.error_max * formula_slack, position_floor) * (1.0 + 1e-9);
-      least_.back() =
-          smallest(g.cos_interior(), g.feed_in * task.sample_period, g.feed_out * task.sample_period, allowed);
+      least_.back() = delay_for_error(smallest, corner.geometry(), task.sample_period, allowed);
     }
   }
 
