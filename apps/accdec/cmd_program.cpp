@@ -75,7 +75,7 @@ void add_estimates(const ProgramArguments& options, const ProgramFile& file, con
 }
 
 void check_options(const ProgramArguments& options) {
-  if (!options.controls.empty() && options.file.dwells_before_filter)
+  if (!options.controls.empty() && options.file.fixed.dwells_before_filter)
     throw std::invalid_argument("--as excludes --dwells-before-filter: other controls stop for G4");
   if (options.per_leg) throw std::invalid_argument(no_per_leg);
   const bool positions = options.plan != "fixed";
@@ -85,7 +85,7 @@ void check_options(const ProgramArguments& options) {
   refuse(options.delays, !positions, "--delays", "fixed");
   refuse(options.emit, !positions, "--emit", "fixed");
   refuse(options.stream, positions, "--stream", "profiles or free");
-  if (options.file.compensate_arcs && options.feeds == "keep") {
+  if (options.file.fixed.compensate_arcs && options.feeds == "keep") {
     throw std::invalid_argument("--compensate-arcs needs --feeds choose");
   }
 }
@@ -288,7 +288,7 @@ void add_inputs(CLI::App& command, ProgramArguments& options) {
       ->check(number_between(-1e6, 1e6))
       ->excludes(table);
   command.add_flag(
-      "--dwells-before-filter", options.file.dwells_before_filter,
+      "--dwells-before-filter", options.file.fixed.dwells_before_filter,
       "Read G4 as --emit writes it: it delays the command, with an exact stop only if G61.1 or M0 asks for one");
   command.add_flag("--rapid-stops", options.file.rapid_stops, "Stop where rapid and feed moves meet");
 }
@@ -359,7 +359,7 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
   command.add_option("--threads", options.file.free.threads, "Threads for --plan free (default: one per core)")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
-  command.add_flag("--compensate-arcs", options.file.compensate_arcs,
+  command.add_flag("--compensate-arcs", options.file.fixed.compensate_arcs,
                    "Command arcs on a radius larger by the filter's radius error, v^2 s^2/(2 R); errors are measured "
                    "from the programmed arc");
   command.add_flag("--per-leg", options.per_leg)->group("");

@@ -13,6 +13,7 @@
 
 #include <accdec/filter.hpp>
 #include <accdec/gcode/generate.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>

@@ -40,7 +40,7 @@ ProgramResult arc_plan(const std::string& program, const Task& task, bool free, 
   const TemporaryFolder folder;
   const std::string name = folder.write("part.ngc", program);
   ProgramFileOptions options;
-  options.compensate_arcs = compensate;
+  options.fixed.compensate_arcs = compensate;
   ProgramFile file = read_program_file(name, task, options, {});
   options.plan = free ? PlanKind::free : PlanKind::profiles;
   options.free.sweeps = 1;

@@ -245,7 +245,7 @@ TEST(CompensateArcs, WhatIsEmittedPlansToTheSameTime) {
   const ProgramResult result =
       run_program("test.ngc", path_of(text, task.machine, 1e-7, true), filter, task, false, Feeds::choose);
   ASSERT_TRUE(result.verification.feasible);
-  EXPECT_GT(widest(result.plan.path), 5e-6);
+  EXPECT_GT(largest_widening(result.plan.path), 5e-6);
   std::ostringstream out;
   emit_program(result, out);
   const std::string emitted = out.str();

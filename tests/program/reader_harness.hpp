@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/simulate.hpp>
 

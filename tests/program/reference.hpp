@@ -76,7 +76,7 @@ struct Reference {
 
   /// Error of joint b over its whole window.
   double error(const Toolpath& path, int order, std::size_t b) const {
-    const double* corner = path.asked(b + 1);
+    const double* corner = path.programmed_point(b + 1);
     const auto first = static_cast<std::size_t>(reached[b]);
     const std::size_t last = static_cast<std::size_t>(std::ceil(reached[b])) +
                              static_cast<std::size_t>(std::min<long>(rest[b], order + 1)) +

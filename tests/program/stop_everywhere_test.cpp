@@ -6,6 +6,8 @@
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/result/other_rules.hpp>
 
 #include "program_command.hpp"
 #include "reference.hpp"
@@ -31,6 +33,34 @@ TEST(StopEverywhere, HoldsWhateverTheProgram) {
       for (std::size_t b = 0; b < path.blocks(); ++b) EXPECT_GE(plan.path.duration[b], path.duration[b]);
     }
   }
+}
+
+// At low feeds exact stops surely hold all limits, and are not simulated. At high feeds they break some.
+TEST(OtherRules, SaysOfExactStopsWhatTheirSimulationFinds) {
+  int held = 0, broken = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    Machine machine = test::machine_of(2.0 + seed, unlimited, 1.0, 3);
+    for (Axis& axis : machine.axes) axis.jerk_max = seed % 2 == 0 ? 100.0 * seed : unlimited;
+    for (const double slower : {1.0, 4.0, 16.0, 64.0}) {
+      Toolpath path = test::path_of(test::random_program(seed, 200), machine);
+      for (double& duration : path.duration) duration *= slower;
+      for (const Filter& filter : {boxcar(7), trapezoid(60, 20), Filter({0.5, 0.5}), blackman_sinc(40, 0.049)}) {
+        const OtherRules times = other_rules(path, filter, test::period, machine);
+        std::vector<int> delays = pairwise_delays(path, filter, test::period, machine, DelayRule::exact_stop).delays;
+        ProgramPlan plan = check_program(path, filter, test::period, machine, delays);
+        if (!all_holds(plan)) {
+          for (int& delay : delays) delay += delay > 0 ? 1 : 0;
+          plan = check_program(path, filter, test::period, machine, delays);
+        }
+        SCOPED_TRACE(fmt::format("{}, {}, {}", seed, slower, filter.order()));
+        EXPECT_EQ(times.breaks.empty(), all_holds(plan)) << times.breaks;
+        EXPECT_DOUBLE_EQ(times.exact_stop, static_cast<double>(plan.simulation.samples) * test::period);
+        ++(all_holds(plan) ? held : broken);
+      }
+    }
+  }
+  EXPECT_GT(held, 20);
+  EXPECT_GT(broken, 20);
 }
 
 // From rest to rest, steps of a tau every tau through an average of tau take L/v + v/a. That is 0.3 s for 20 mm at

@@ -306,10 +306,10 @@ void bind_program(py::module_& module) {
         options.tools.table = tool_table;
         options.tools.length = tool_length;
         options.rapid_stops = rapid_stops;
-        options.dwells_before_filter = dwells_before_filter;
+        options.fixed.dwells_before_filter = dwells_before_filter;
         options.fixed.feeds = keep_feeds ? Feeds::keep : Feeds::choose;
         options.fixed.filter_bound = filter_bound;
-        options.compensate_arcs = compensate_arcs;
+        options.fixed.compensate_arcs = compensate_arcs;
         options.time_limit = time_limit;
         if (time_limit) options.deadline = Deadline(*time_limit);
         return plan(file, task, options, how, {estimate, estimate_options}, progress);

@@ -112,7 +112,7 @@ std::vector<ControlMove> control_moves(const Toolpath& path, std::string_view co
   std::vector<ControlMove> moves;
   auto arc = path.arcs.begin();
   auto mode = path.modes.begin();
-  auto words = path.passed.begin();
+  auto words = path.kept_words.begin();
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     const bool curve = arc != path.arcs.end() && arc->first == b;
     ControlMove& move = moves.emplace_back(curve ? arc_of(path, *arc) : line_of(path, b));
@@ -125,8 +125,8 @@ std::vector<ControlMove> control_moves(const Toolpath& path, std::string_view co
     }
     for (const auto& [block, time] : path.dwells_at(b)) move.dwell += time;
     move.dwells = !path.dwells_at(b).empty();
-    while (words != path.passed.end() && words->block <= b) ++words;
-    for (auto next = words; next != path.passed.end() && next->block == b + 1; ++next)
+    while (words != path.kept_words.end() && words->block <= b) ++words;
+    for (auto next = words; next != path.kept_words.end() && next->block == b + 1; ++next)
       move.waits = move.waits || (!next->dwell && has_m_code(next->words));
   }
   moves.back().ends = true;

@@ -9,6 +9,7 @@
 #include <accdec/gcode/canonical_call.hpp>
 #include <accdec/gcode/canonical_position.hpp>
 #include <accdec/gcode/modal_groups.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/move_state.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_formats.hpp>

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_formats.hpp>
 #include <accdec/simulate.hpp>

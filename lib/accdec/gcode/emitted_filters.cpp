@@ -61,7 +61,7 @@ std::string filter_remarks(const Filter& filter) {
 
 std::optional<Filter> emitted_filter(const Toolpath& path) {
   std::vector<double> taps;
-  for (const Toolpath::Passed& passed : path.passed) {
+  for (const Toolpath::KeptWords& passed : path.kept_words) {
     std::string_view words = passed.words;
     if (!words.starts_with(taps_begin) || !words.ends_with(')')) continue;
     words.remove_prefix(taps_begin.size());

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <accdec/gcode/arc.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/spline.hpp>
 #include <accdec/simulate.hpp>
 

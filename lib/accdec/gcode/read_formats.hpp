@@ -1,5 +1,6 @@
 #pragma once
 
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/simulate.hpp>
 
 // The formats of programs; `read_program` chooses one.

@@ -1,4 +1,5 @@
 #include <accdec/gcode/canonical_call.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/read_formats.hpp>
 #include <accdec/simulate.hpp>
 

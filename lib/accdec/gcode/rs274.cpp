@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/gcode/modal_groups.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/move_state.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_formats.hpp>

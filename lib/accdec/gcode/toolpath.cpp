@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <accdec/gcode/arc_sequence.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/machine/response.hpp>
@@ -63,7 +64,7 @@ class Builder : public MoveSink {
 
  private:
   void keep(std::string words, bool dwell, bool with_block = false) {
-    path_.passed.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell, with_block});
+    path_.kept_words.push_back({static_cast<std::uint32_t>(path_.blocks()), std::move(words), dwell, with_block});
   }
   void add_axes(unsigned moving);
   double rapid_duration(const Move& move) const;
@@ -194,11 +195,11 @@ void Builder::give_delay(std::size_t b) {
   for (; !path_.dwell.empty() && path_.dwell.back().first == b; path_.dwell.pop_back())
     delay += path_.dwell.back().second;
   if (delay == 0.0) return;
-  path_.given.emplace_back(b, delay);
-  auto& passed = path_.passed;
+  path_.given_delays.emplace_back(b, delay);
+  auto& passed = path_.kept_words;
   auto from = passed.end();
   while (from != passed.begin() && std::prev(from)->block == b + 1) --from;
-  passed.erase(std::remove_if(from, passed.end(), [](const Toolpath::Passed& p) { return p.dwell; }), passed.end());
+  passed.erase(std::remove_if(from, passed.end(), [](const Toolpath::KeptWords& p) { return p.dwell; }), passed.end());
 }
 
 /// The tolerance of a joint so that a motion is within the program's of arcs and splines if it is within this of their

@@ -32,12 +32,12 @@ ArcPoints::ArcPoints(const Toolpath& path, bool servo) : path_(path) {
 
 void ArcPoints::add_arc(const PathArc& arc, const std::vector<double>& radius) {
   const std::size_t n = path_.dimensions();
-  const double *begin = path_.asked(arc.first), *end = path_.asked(arc.last + 1);
+  const double *begin = path_.programmed_point(arc.first), *end = path_.programmed_point(arc.last + 1);
   double ux = 0.0, uy = 0.0, vx = 0.0, vy = 0.0;
   const double first = arc.from(begin, ux, uy), wider = arc.from(end, vx, vy) - first;
   double turned = 0.0;
   for (std::size_t b = arc.first; b <= arc.last; ++b) {
-    const double *from = path_.asked(b), *to = path_.asked(b + 1);
+    const double *from = path_.programmed_point(b), *to = path_.programmed_point(b + 1);
     arc.from(from, ux, uy);
     arc.from(to, vx, vy);
     const double turn = std::atan2(ux * vy - uy * vx, ux * vx + uy * vy), part = (turned + 0.5 * turn) / arc.angle;

@@ -45,7 +45,7 @@ PathContour::PathContour(const CommandTiming& timing, std::int64_t reach, std::s
 PathContour::Nearest PathContour::nearest(const double* point) const {
   Nearest found{low_, unlimited};
   for (std::size_t b = low_; b <= high_; ++b) {
-    const double square = segment_distance2(path_.asked(b), path_.asked(b + 1), point, n_);
+    const double square = segment_distance2(path_.programmed_point(b), path_.programmed_point(b + 1), point, n_);
     if (square < found.distance) found = {b, square};
   }
   found.distance = std::sqrt(found.distance);
@@ -57,7 +57,8 @@ void PathContour::note(const Nearest& found, const double* point) {
   if (holds(found.distance, path_.contour_max)) return;
   const auto square = [&](std::size_t p) {
     double sum = 0.0;
-    for (std::size_t a = 0; a < n_; ++a) sum += (path_.asked(p)[a] - point[a]) * (path_.asked(p)[a] - point[a]);
+    for (std::size_t a = 0; a < n_; ++a)
+      sum += (path_.programmed_point(p)[a] - point[a]) * (path_.programmed_point(p)[a] - point[a]);
     return sum;
   };
   std::size_t at = low_;
@@ -73,8 +74,9 @@ void PathContour::note(const Nearest& found, const double* point) {
 void PathContour::between(const double* from, const double* to, int depth) {
   double most = unlimited;
   for (std::size_t b = low_; b <= high_; ++b) {
-    most = std::min(most, std::max(segment_distance2(path_.asked(b), path_.asked(b + 1), from, n_),
-                                   segment_distance2(path_.asked(b), path_.asked(b + 1), to, n_)));
+    most =
+        std::min(most, std::max(segment_distance2(path_.programmed_point(b), path_.programmed_point(b + 1), from, n_),
+                                segment_distance2(path_.programmed_point(b), path_.programmed_point(b + 1), to, n_)));
   }
   const double farthest = std::sqrt(most);
   const bool told = holds(farthest, path_.contour_max) || depth >= few_halvings;

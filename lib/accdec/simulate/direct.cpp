@@ -262,7 +262,7 @@ double direct_distance(const DirectMotion& motion, const double* point, std::int
 double direct_error(const DirectMotion& motion, const Toolpath& path, std::size_t b) {
   const bool between = path.joint[b] == Joint::smooth || path.joint[b] == Joint::straight;
   const DirectMotion::Window& window = motion.windows[b];
-  return direct_distance(motion, path.asked(b + 1), window.first, window.last, between);
+  return direct_distance(motion, path.programmed_point(b + 1), window.first, window.last, between);
 }
 
 }  // namespace accdec

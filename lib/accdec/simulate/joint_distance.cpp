@@ -7,9 +7,6 @@
 namespace accdec {
 namespace {
 
-constexpr double far = 1e300;
-constexpr std::int64_t places = 8;  // examined for every joint
-
 /// @tparam axes  their number; 0: n
 template <class Width, std::size_t axes>
 ACCDEC_KERNEL void samples_squared(double* squared, const double* const* position, std::size_t n, const double* corner,
@@ -50,54 +47,61 @@ ACCDEC_KERNEL void segments_squared(double* squared, const double* const* positi
 }
 
 template <class Width, std::size_t axes>
-ACCDEC_KERNEL void nearest_body(const double* const* position, std::size_t n, const double* points,
-                                const JointWindow* joints, std::size_t count, double* squared) {
+ACCDEC_KERNEL void least_body(const double* const* position, std::size_t n, const double* points,
+                              const JointWindow* joints, std::size_t count, double* squared) {
+  using Lanes = typename Width::Lanes;
+  constexpr std::int64_t lanes = lane_count<Width>;
   const double* of_axis[program_axis_count];
   for (std::size_t a = 0; a < (axes > 0 ? axes : n); ++a) of_axis[a] = position[a];
   for (std::size_t j = 0; j < count; ++j) {
     const JointWindow& joint = joints[j];
     const double* corner = points + (joint.block + 1) * (axes > 0 ? axes : n);
     const bool path = joint.path && joint.last > joint.first;
-    const std::int64_t end = path ? joint.last - 1 : joint.last;  // last place a lane may stand for
-    const std::int64_t k = std::max(joint.first, std::min(joint.guess - places / 2, end - (places - 1)));
-    alignas(64) double d[places];
-    for (std::int64_t i = 0; i < places; i += lane_count<Width>) {
+    const std::int64_t end = path ? joint.last : joint.last + 1;  // of the places that lanes may stand for
+    Lanes least = Lanes{} + unlimited, d;
+    double of_few = unlimited;
+    for (std::int64_t k = joint.first; k < end; k += lanes) {
+      // The last lanes of a window go back over places seen before, unless it is shorter than they are.
+      const std::int64_t at = std::max(joint.first, std::min(k, end - lanes));
       if (path) {
-        segments_squared<Width, axes>(d + i, of_axis, n, corner, k + i);
+        segments_squared<Width, axes>(reinterpret_cast<double*>(&d), of_axis, n, corner, at);
       } else {
-        samples_squared<Width, axes>(d + i, of_axis, n, corner, k + i);
+        samples_squared<Width, axes>(reinterpret_cast<double*>(&d), of_axis, n, corner, at);
+      }
+      if (end - at < lanes) {
+        for (std::int64_t l = 0; l < end - at; ++l) of_few = std::min(of_few, d[l]);
+      } else {
+        least = d < least ? d : least;
       }
     }
-    for (std::int64_t l = end - k + 1; l < places; ++l) d[l] = far;
-    const double inner = std::min(std::min(std::min(d[1], d[2]), std::min(d[3], d[4])), std::min(d[5], d[6]));
-    const bool outermost = (d[0] < inner && k > joint.first) || (d[7] < inner && k + places - 1 < end);
-    squared[j] = outermost ? -1.0 : std::min(inner, std::min(d[0], d[7]));
+    for (std::int64_t l = 0; l < lanes; ++l) of_few = std::min(of_few, least[l]);
+    squared[j] = of_few;
   }
 }
 
-using Nearest = void (*)(const double* const*, std::size_t, const double*, const JointWindow*, std::size_t, double*);
+using Least = void (*)(const double* const*, std::size_t, const double*, const JointWindow*, std::size_t, double*);
 
-#define ACCDEC_NEAREST(name, target, Width)                                                                       \
+#define ACCDEC_LEAST(name, target, Width)                                                                         \
   target void name(const double* const* position, std::size_t n, const double* points, const JointWindow* joints, \
                    std::size_t count, double* squared) {                                                          \
-    if (n == 2) return nearest_body<Width, 2>(position, n, points, joints, count, squared);                       \
-    if (n == 3) return nearest_body<Width, 3>(position, n, points, joints, count, squared);                       \
-    return nearest_body<Width, 0>(position, n, points, joints, count, squared);                                   \
+    if (n == 2) return least_body<Width, 2>(position, n, points, joints, count, squared);                         \
+    if (n == 3) return least_body<Width, 3>(position, n, points, joints, count, squared);                         \
+    return least_body<Width, 0>(position, n, points, joints, count, squared);                                     \
   }
-ACCDEC_NEAREST(nearest_plain, , Two)
+ACCDEC_LEAST(least_plain, , Two)
 #if defined(__x86_64__)
-ACCDEC_NEAREST(nearest_avx2, ACCDEC_TARGET_AVX2, Four)
-ACCDEC_NEAREST(nearest_avx512, ACCDEC_TARGET_AVX512, Eight)
-const Nearest nearest = for_this_processor<Nearest>(nearest_plain, nearest_avx2, nearest_avx512);
+ACCDEC_LEAST(least_avx2, ACCDEC_TARGET_AVX2, Four)
+ACCDEC_LEAST(least_avx512, ACCDEC_TARGET_AVX512, Eight)
+const Least least = for_this_processor<Least>(least_plain, least_avx2, least_avx512);
 #else
-constexpr Nearest nearest = nearest_plain;
+constexpr Least least = least_plain;
 #endif
 
 }  // namespace
 
-void nearest_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
-                     std::size_t count, double* squared) {
-  nearest(position, n, points, joints, count, squared);
+void least_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
+                   std::size_t count, double* squared) {
+  least(position, n, points, joints, count, squared);
 }
 
 }  // namespace accdec

@@ -7,22 +7,19 @@ namespace accdec {
 
 /// The part of the motion examined for the error of a joint.
 struct JointWindow {
-  std::size_t block = 0;  ///< the block whose end point it is
-  std::int64_t first = 0, last = 0,
-               guess = 0;  ///< samples, first <= last; near `guess` the joint is expected to be passed
-  bool path = false;       ///< distance from the segments between the samples instead of the samples
+  std::size_t block = 0;             ///< the block whose end point it is
+  std::int64_t first = 0, last = 0;  ///< samples, first <= last
+  bool path = false;                 ///< distance from the segments between the samples instead of the samples
 };
 
-/// Samples past the end of its window that nearest_squared may read.
-inline constexpr std::int64_t nearest_margin = 16;
+/// Samples past the end of its window that least_squared may read.
+inline constexpr std::int64_t least_margin = 16;
 
-/// Squares of the least distances of joints from the eight samples of their windows nearest to the guess, or from the
-/// path through these. Negative if the least is the outermost of the eight but not of the window: then the least of the
-/// window may be elsewhere.
+/// Squares of the least distances of joints from the samples of their windows, or from the path through these.
 /// @param position  of every axis by sample number
 /// @param n         number of axes
 /// @param points    rows of n; the joint at the end of block b is row b + 1
-void nearest_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
-                     std::size_t count, double* squared);
+void least_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
+                   std::size_t count, double* squared);
 
 }  // namespace accdec

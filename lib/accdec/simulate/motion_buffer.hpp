@@ -55,7 +55,7 @@ class MotionBuffer {
   /// Passes the new samples on.
   void deliver(const SampleSink& sink) const;
 
-  /// Position of an axis by sample number. As many more values as nearest_squared may read are readable.
+  /// Position of an axis by sample number. As many more values as least_squared may read are readable.
   const double* positions(std::size_t axis) const { return axes_[axis].position.data() - base_; }
   /// Values of the new samples, with `before` more in front.
   Eigen::Map<const Eigen::ArrayXd> velocity(std::size_t axis) const { return view(axes_[axis].velocity, 0); }

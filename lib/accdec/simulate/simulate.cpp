@@ -55,8 +55,12 @@ class Simulator {
     // A rest longer than the filter adds only samples that stand still in the joint.
     const std::int64_t seen = std::min<std::int64_t>(rest, order_ + 1);
     const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + seen + order_ + 1;
-    const double guess = time + 0.5 * static_cast<double>(seen) + mean_delay_;
-    pending_.push_back({b, reached, reached + window, static_cast<std::int64_t>(guess), !ends_leg(path_, b)});
+    const auto guess = static_cast<std::int64_t>(time + 0.5 * static_cast<double>(seen) + mean_delay_);
+    const JointWindow& whole = pending_.emplace_back(b, reached, reached + window, !ends_leg(path_, b));
+    // As many places as lanes of the widest registers; segments end one sample later.
+    const std::int64_t last = whole.last - (whole.path ? 8 : 7);
+    const std::int64_t near = std::clamp(guess - 4, whole.first, std::max(whole.first, last));
+    near_.emplace_back(b, near, std::min(whole.last, near + whole.last - last), whole.path);
     watched_until_ = std::max(watched_until_, reached + window + 1);
     block_ = b + 1;
   }
@@ -127,28 +131,32 @@ class Simulator {
     for (std::size_t a = 0; a < dimensions(); ++a) position_[a] = motion_.positions(a);
     std::size_t done = 0;
     while (done < pending_.size() && pending_[done].last < motion_.sample()) ++done;
-    if (options_.whole_windows) {
-      for (std::size_t i = 0; i < done; ++i) errors_[pending_[i].block] = least_error_of(pending_[i]);
-      pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
-      done = 0;
-    }
-    if (squared_.size() < done) squared_.resize(done);
-    nearest_squared(position_.data(), dimensions(), path_.asked_points(), pending_.data(), done, squared_.data());
-    for (std::size_t i = 0; i < done; ++i) {
-      const std::size_t block = pending_[i].block;
-      const double error = std::sqrt(std::max(0.0, squared_[i]));
-      const bool decided = squared_[i] >= 0.0 && error <= path_.tolerance[block];
-      errors_[block] = decided ? error : searched_error_of(pending_[i]);
-    }
+    judge(done);
     pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(done));
+    near_.erase(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(done));
     watch_.look(motion_, block_);
     if (options_.samples) motion_.deliver(options_.samples);
     motion_.seen();
   }
 
+  /// Errors of the first `count` joints.
+  void judge(std::size_t count) {
+    squared_.resize(std::max(squared_.size(), count));
+    const auto find = [&](const std::vector<JointWindow>& windows, std::size_t first, std::size_t last) {
+      least_squared(position_.data(), dimensions(), path_.programmed_points(), windows.data() + first, last - first,
+                    squared_.data() + first);
+    };
+    if (options_.whole_windows) {
+      find(pending_, 0, count);
+    } else {
+      find(near_, 0, count);
+      for (std::size_t i = 0; i < count; ++i)
+        if (std::sqrt(squared_[i]) > path_.tolerance[pending_[i].block]) find(pending_, i, i + 1);
+    }
+    for (std::size_t i = 0; i < count; ++i) errors_[pending_[i].block] = std::sqrt(squared_[i]);
+  }
+
   std::size_t dimensions() const { return axes > 0 ? axes : path_.dimensions(); }
-  double searched_error_of(const JointWindow& joint) const;
-  double least_error_of(const JointWindow& joint);
 
   const Toolpath& path_;
   double mean_delay_;   // of the first filter, samples
@@ -158,84 +166,13 @@ class Simulator {
   MotionBuffer motion_;
   LimitWatch watch_;
   std::vector<JointWindow> pending_;  // joints whose windows are not yet over
+  std::vector<JointWindow> near_;     // of each, the part where it is expected to be passed
   std::vector<double> squared_;
-  std::vector<JointWindow> parts_;                            // of one window
   std::array<const double*, program_axis_count> position_{};  // of every axis by sample number
   std::int64_t begin_ = 0;
   std::int64_t watched_until_ = 0;  // no sample before this is skipped
   std::size_t block_;
 };
-
-template <std::size_t axes>
-double Simulator<axes>::least_error_of(const JointWindow& joint) {
-  constexpr std::int64_t places = 8;  // places that nearest_squared examines around its guess
-  parts_.clear();
-  // Segments end one sample after the last place, and a window of a single sample has none.
-  const bool segments = joint.path && joint.last > joint.first;
-  for (std::int64_t first = joint.first; first < joint.last + (segments ? 0 : 1); first += places) {
-    const std::int64_t last = std::min(joint.last, first + places - (segments ? 0 : 1));
-    parts_.push_back({joint.block, first, last, first + places / 2, joint.path});
-  }
-  if (squared_.size() < parts_.size()) squared_.resize(parts_.size());
-  nearest_squared(position_.data(), dimensions(), path_.asked_points(), parts_.data(), parts_.size(), squared_.data());
-  return std::sqrt(*std::min_element(squared_.begin(), squared_.begin() + static_cast<std::ptrdiff_t>(parts_.size())));
-}
-
-template <std::size_t axes>
-double Simulator<axes>::searched_error_of(const JointWindow& joint) const {
-  const double* corner = path_.asked(joint.block + 1);
-  const std::size_t n = dimensions();
-  const auto& position = position_;
-  const auto distance2 = [&](std::int64_t k) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double d = position[i][k] - corner[i];
-      sum += d * d;
-    }
-    return sum;
-  };
-  // Squared distance of the corner from the segment from sample k to k + 1.
-  const auto segment2 = [&](std::int64_t k) {
-    double ab2 = 1e-300, dot = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double d = position[i][k + 1] - position[i][k];
-      ab2 += d * d;
-      dot += (corner[i] - position[i][k]) * d;
-    }
-    const double t = std::min(1.0, std::max(0.0, dot / ab2));
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double x = position[i][k] + t * (position[i][k + 1] - position[i][k]) - corner[i];
-      sum += x * x;
-    }
-    return sum;
-  };
-  const bool at_samples = ends_leg(path_, joint.block);
-  const auto finish = [&](std::int64_t k, double best) {
-    if (!at_samples) {
-      if (k > joint.first) best = std::min(best, segment2(k - 1));
-      if (k < joint.last) best = std::min(best, segment2(k));
-    }
-    return std::sqrt(best);
-  };
-  // Descends from the sample that would be nearest in even motion. It only matters that the nearest sample is within
-  // the bound. So the whole window is searched only if the bound is not met.
-  std::int64_t k = std::clamp(joint.guess, joint.first, joint.last);
-  double best = distance2(k);
-  for (const int step : {1, -1}) {
-    while (k + step >= joint.first && k + step <= joint.last) {
-      const double next = distance2(k + step);
-      if (!(next < best)) break;
-      best = next;
-      k += step;
-    }
-  }
-  double error = finish(k, best);
-  if (error > path_.tolerance[joint.block]) {
-    for (std::int64_t j = joint.first; j <= joint.last; ++j) error = std::min(error, finish(j, distance2(j)));
-  }
-  return error;
-}
 
 template <std::size_t axes>
 Simulation simulate(const CommandTiming& timing, std::span<const Filter> filters, std::size_t first, std::size_t last,

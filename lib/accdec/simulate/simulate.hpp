@@ -65,9 +65,9 @@ struct Simulation {
 /// @param errors       of every joint first .. last - 1, indexed by block: min |S| over the samples of its window
 /// [reached, left +
 ///                     N + 1] for corners and stops, the distance of the path through those samples for smooth and
-///                     straight joints, m; N is the order of the motion's filter. If moves overlap, a
-///                     path may come near a joint more than once; unless the whole windows are asked for, an approach
-///                     that is within the tolerance is taken for the nearest
+///                     straight joints, m; N is the order of the motion's filter. Unless the whole windows
+///                     are asked for, samples near the middle of the window are searched first, and others only if
+///                     these are not within the tolerance
 Simulation simulate_program(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,
                             std::span<double> errors, const SimulationOptions& options = {});
 

@@ -223,7 +223,8 @@ ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& t
 /// Fills in what follows from the plan, its errors and the uses of its axis limits: counts and the worst of the joints,
 /// vibration, whether all holds.
 /// @param machine  as many axes as the path
-void judge_program(ProgramResult& result, const Machine& machine);
+/// @param alone    smallest delays of the plan's joints alone, samples, one a block; empty: they are found
+void judge_program(ProgramResult& result, const Machine& machine, const std::vector<int>& alone = {});
 
 /// The abilities that a control needs for this plan, one part of a sentence each: "step its feed ..".
 std::vector<std::string> control_needs(const ProgramResult& result);
@@ -232,7 +233,7 @@ std::vector<std::string> control_needs(const ProgramResult& result);
 std::size_t blocks_of(const Toolpath& programmed);
 
 /// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
-double widest(const Toolpath& path);
+double largest_widening(const Toolpath& path);
 
 /// A joint and the part of its tolerance that it uses.
 struct CornerUse {
@@ -305,7 +306,9 @@ PlanKind plan_kind(std::string_view name);
 /// Options of plan fixed.
 struct FixedOptions {
   Feeds feeds = Feeds::choose;
-  bool filter_bound = false;  ///< also the bound on filters and delays, by linear programs
+  bool filter_bound = false;          ///< also the bound on filters and delays, by linear programs
+  bool compensate_arcs = false;       ///< the commanded radius is widened by the radius error of the filter
+  bool dwells_before_filter = false;  ///< see ToolpathOptions
 };
 
 /// Options of plan free. Its answer depends on the time limit only.
@@ -320,9 +323,8 @@ struct ProgramFileOptions {
   PlanKind plan = PlanKind::fixed;
   std::optional<double> arc_tolerance;  ///< m, largest distance of a chord from its arc; none: chord_tolerance, 2 um
                                         ///< where feeds are kept, which does not see accelerations along an arc
-  bool compensate_arcs = false;         ///< the commanded radius is widened by the radius error of the filter
   ProgramTools tools;                   ///< for programs that rs274 has to run
-  bool rapid_stops = false, dwells_before_filter = false;  ///< see ToolpathOptions
+  bool rapid_stops = false;             ///< see ToolpathOptions
   FixedOptions fixed;
   FreeOptions free;
   std::optional<double> time_limit;  ///< s, for all: a filter gets half of it; none: a filter 2 s and 5 ms a block, at

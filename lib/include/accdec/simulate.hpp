@@ -110,63 +110,12 @@ enum class PathControl : std::uint8_t {
 /// That of arcs: G17, G18, G19.
 enum class Plane : std::uint8_t { xy, zx, yz };
 
-/// One straight move, from where the last one ended.
-struct Move {
-  ProgramPoint to{};
-  double duration = 0.0;    ///< s at the programmed feed; 0 for a rapid move, whose time the axis limits set
-  double tolerance = -1.0;  ///< m, G64 P in force; negative: the program gives none
-  double merge = -1.0;      ///< m, G64 Q in force; negative: the program gives none
-  PathControl control = PathControl::blend;
-  Plane plane = Plane::xy;  ///< in force
-  bool rapid = false;
-  bool inside_arc = false;  ///< a chord of an arc that the arc's next chord follows
-  std::int64_t line = 0;    ///< of the word that moved
-  std::uint32_t column = 0;
-};
-
-struct Arc;
-
-/// Receives a program move by move, in order.
-class MoveSink {
- public:
-  virtual ~MoveSink() = default;
-  /// The path begins here, before any move; at the origin if never called.
-  virtual void begin(const ProgramPoint& at) = 0;
-  /// Moves of no length are passed too: they have no path but count as blocks.
-  virtual void move(const Move& move) = 0;
-  /// The next `chords` moves stand for this arc.
-  virtual void arc(const Arc& /*arc*/, int /*chords*/) {}
-  /// The motion before this point must stop here. It stays for `dwell` s (G4), or until the operator continues (0).
-  virtual void stop(double dwell) = 0;
-  /// Words at this point that do not concern motion (spindle, tool, coolant, offsets, M0), as they would be written.
-  /// `with_move`: a line number or comment that stands on the line of the next move.
-  virtual void pass(std::string_view /*words*/, bool /*with_move*/ = false) {}
-  /// An offset that acts from here on, by a word of its own: G43 of a tool whose length is not known, G54 to G59.3.
-  virtual void select(std::string_view /*word*/) {}
-  /// Whether the program stands between two %, its number (O0001; may be empty), and the word that ended it (M2, M30;
-  /// empty: the end of the file).
-  virtual void frame(bool /*percent*/, std::string_view /*label*/, std::string_view /*end*/) {}
-};
-
-/// Duration of a straight move: the feed is that of X Y Z if any of them moves, else of U V W, else of A B C.
-/// @param feed  m/s, > 0; for A B C 1e-3 degrees a second
-double feed_duration(const ProgramPoint& from, const ProgramPoint& to, double feed);
-/// Whether only A B C move, whose feed is in degrees per minute whatever the length unit.
-bool rotary_only(const ProgramPoint& from, const ProgramPoint& to);
-
 inline constexpr double longest_chords = 2e-6;  ///< m, from their arcs at most, unless asked for
 struct ReadOptions {
   double arc_tolerance = longest_chords;  ///< m, > 0: largest distance of a chord from the arc it stands for
   bool numbered = false;                  ///< N words of canonical calls are lines of the program
   bool tools = false;                     ///< lengths of tools are given: G43 needs an interpreter
 };
-
-enum class ProgramFormat { rs274, canonical, csv };
-
-/// Reads a program and hands every move to the sink, in memory that does not grow with it. A name ending in ".csv" is
-/// read as CSV; else the first line with words decides between RS-274 and canonical calls.
-/// @throws std::invalid_argument at the first line that is not understood; nothing is guessed.
-ProgramFormat read_program(LineSource& source, const ReadOptions& options, MoveSink& sink);
 
 /// How the joint at the end of a block is passed.
 enum class Joint : std::uint8_t {
@@ -209,14 +158,15 @@ struct Toolpath {
   std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
   double dwell_first = 0.0;                             ///< before the first block, s
   ProgramPoint begin{};                                 ///< where the program begins, m, axes that never move included
-  std::vector<std::pair<std::uint32_t, double>> given;  ///< its own delays: at the end of which block, s; ascending
-  struct Passed {
+  /// Delays that the program brings along: at the end of which block, s; ascending.
+  std::vector<std::pair<std::uint32_t, double>> given_delays;
+  struct KeptWords {
     std::uint32_t block = 0;  ///< before which one
     std::string words;        ///< as to be written
     /// A dwell of the program (`dwell` above has its time); a line number or comment on the block's own line.
     bool dwell = false, with_block = false;
   };
-  std::vector<Passed> passed;          ///< dwells, and words that are not about motion, in their order
+  std::vector<KeptWords> kept_words;   ///< dwells, and words that are not about motion, in their order
   std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending
   Plane plane = Plane::xy;             ///< in force for most of the way of feed moves
   bool percent = false;                ///< the program stands between two %
@@ -233,15 +183,15 @@ struct Toolpath {
   struct Mode {
     std::uint32_t block = 0;  ///< from which one on
     PathControl control = PathControl::blend;
-    double tolerance = -1.0, merge = -1.0;  ///< m, see Move
+    double tolerance = -1.0, merge = -1.0;  ///< m, G64 P and Q in force; negative: the program gives none
   };
   std::vector<Mode> modes;  ///< path modes as the program gives them, for estimates of other controls; ascending
   std::size_t blocks() const { return duration.size(); }
   std::size_t dimensions() const { return axes.size(); }
   const double* point(std::size_t i) const { return points.data() + i * axes.size(); }
   /// The point that the motion must pass; errors are measured from it.
-  const double* asked(std::size_t i) const { return asked_points() + i * axes.size(); }
-  const double* asked_points() const { return programmed.empty() ? points.data() : programmed.data(); }
+  const double* programmed_point(std::size_t i) const { return programmed_points() + i * axes.size(); }
+  const double* programmed_points() const { return programmed.empty() ? points.data() : programmed.data(); }
   std::string axis_name(std::size_t dimension) const;
   double dwells() const;                                                             ///< of the whole program, s
   std::span<const std::pair<std::uint32_t, double>> dwells_at(std::size_t b) const;  ///< at the end of block b
@@ -269,8 +219,8 @@ const Axis* find_axis(const Machine& machine, std::size_t program_axis);
 /// The machine with one axis per column of the path, without the control's own smoothing: filters of plans have it.
 Machine program_machine(const Machine& machine, const Toolpath& path);
 /// Reads a whole program.
-/// @throws std::invalid_argument as read_program. Also for an axis that the machine lacks, a corner without tolerance,
-/// a feed above an axis' velocity limit, and a rapid move of an axis without one.
+/// @throws std::invalid_argument at the first line that is not understood. Also for an axis that the machine lacks, a
+/// corner without tolerance, a feed above an axis' velocity limit, and a rapid move of an axis without one.
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options);
 
 /// Lengths and diameters of tools, for G43, G41 and G42.

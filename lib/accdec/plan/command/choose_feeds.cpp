@@ -94,7 +94,7 @@ class Scheduler {
     // If the path is symmetric, a corner is about as far from it as the path is from the legs.
     for (std::size_t b = 0; b < path.blocks(); ++b)
       joints_[b].tolerance = std::min(path.tolerance[b], path.contour_max);
-    for (const auto& [block, delay] : path.given) {
+    for (const auto& [block, delay] : path.given_delays) {
       joints_[block].given = static_cast<int>(std::lround(std::min(delay / sample_period, 1e9)));
     }
   }
@@ -208,6 +208,7 @@ class Scheduler {
     SimulationOptions options;
     if (!machine_.axes.empty()) options.machine = &machine_;
     options.blame = true;
+    options.whole_windows = true;
     options.motion = behind_.servo();
     const CommandTiming timing(result.path, period_, plan.delays);
     plan.simulation = simulate_program(timing, filter_, 0, pieces.size() - 1, plan.errors, options);

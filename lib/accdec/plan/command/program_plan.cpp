@@ -14,7 +14,7 @@ namespace accdec {
 namespace {
 
 ProgramPlan simulate_plan(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          std::vector<int> delays, bool blame) {
+                          std::vector<int> delays, bool blame, bool least) {
   ProgramPlan plan;
   plan.delays = std::move(delays);
   plan.errors.assign(path.blocks(), 0.0);
@@ -22,6 +22,7 @@ ProgramPlan simulate_plan(const Toolpath& path, const Filter& filter, double sam
   SimulationOptions options;
   if (!machine.axes.empty()) options.machine = &machine;
   options.blame = blame;
+  options.whole_windows = least;
   const FilterBehind behind(filter, machine, sample_period);
   options.motion = behind.servo();
   plan.simulation = simulate_program(timing, filter, 0, path.blocks() - 1, plan.errors, options);
@@ -111,8 +112,8 @@ void settle_delays(const Toolpath& path, const Filter& filter, double sample_per
 }
 
 ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          std::vector<int> delays) {
-  return simulate_plan(path, filter, sample_period, machine, std::move(delays), false);
+                          std::vector<int> delays, bool least) {
+  return simulate_plan(path, filter, sample_period, machine, std::move(delays), false, least);
 }
 
 namespace {
@@ -122,16 +123,22 @@ ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period
   PairwiseDelays pairwise = pairwise_delays(path, filter, sample_period, machine);
   std::vector<SlowedFeeds> too_fast = limit_feeds(path, filter, sample_period, machine, pairwise, ramps, deadline);
   const auto keep_given = [&] {
-    for (const auto& [block, delay] : path.given) {
+    for (const auto& [block, delay] : path.given_delays) {
       int& d = pairwise.delays[block];
       d = std::max(d, static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
     }
   };
   keep_given();
   const bool mend_limits = !machine.axes.empty();
-  ProgramPlan plan = simulate_plan(path, filter, sample_period, machine, pairwise.delays, mend_limits);
+  ProgramPlan plan = simulate_plan(path, filter, sample_period, machine, pairwise.delays, mend_limits, true);
   plan.too_fast = too_fast;
-  if (plan.errors_hold && plan.simulation.broken.empty() && plan.simulation.off.empty()) return plan;
+  const auto know_alone = [&] {
+    if (path.given_delays.empty()) plan.alone = std::move(pairwise.delays);
+  };
+  if (plan.errors_hold && plan.simulation.broken.empty() && plan.simulation.off.empty()) {
+    know_alone();
+    return plan;
+  }
   Repair repair(path, filter, sample_period, mend_limits ? &machine : nullptr, plan.delays, plan.errors);
   RepairWork failing = repair.failing(plan.simulation);
   int rounds = 0;
@@ -148,6 +155,7 @@ ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period
     if (plan.delays[b] > pairwise.delays[b]) repair.lower(b, pairwise.delays[b]);
   }
   plan = check_program(path, filter, sample_period, machine, std::move(plan.delays));
+  know_alone();
   plan.rounds = rounds;
   plan.too_fast = std::move(too_fast);
   return plan;

@@ -15,11 +15,12 @@ namespace accdec {
 /// Delays for a whole program and the simulation that verified them.
 struct ProgramPlan {
   std::vector<int> delays;            ///< samples, one a block
-  std::vector<double> errors;         ///< m, on the simulated path, one per block
+  std::vector<double> errors;         ///< m, least on the simulated path, one per block
   Simulation simulation;              ///< of the whole program with these delays, every sample
   std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
   std::vector<SlowedFeeds> too_fast;  ///< of these, blocks that start or stop too fast for the filter; one entry per
                                       ///< limit
+  std::vector<int> alone;             ///< delays of joints alone, see pairwise_delays; empty: not known
   int rounds = 0;                     ///< of repair
   bool errors_hold = false;           ///< every joint within its tolerance
   bool delays_had = true;             ///< the control can give all delays, see command_delays
@@ -61,7 +62,8 @@ void settle_delays(const Toolpath& path, const Filter& filter, double sample_per
                    ProgramPlan& plan);
 
 /// Simulates given delays and says whether they hold.
+/// @param least  else errors within the tolerances need not be the least of their windows, which takes less time
 ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          std::vector<int> delays);
+                          std::vector<int> delays, bool least = true);
 
 }  // namespace accdec

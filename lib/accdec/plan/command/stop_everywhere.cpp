@@ -48,7 +48,7 @@ ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double samp
       delays[b] = control_delay(path.control, filter, length / duration * sample_period, apart).value_or(apart);
   }
   if (has_mode_of_axis(machine)) part_by_phase(result.path, limits, delays);
-  for (const auto& [block, delay] : path.given)
+  for (const auto& [block, delay] : path.given_delays)
     delays[block] = std::max(delays[block], static_cast<int>(std::lround(std::min(delay / sample_period, 1e9))));
   result.plan.delays = std::move(delays);
   result.plan.slowed = slowed;

@@ -119,10 +119,12 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, doubl
 }
 
 std::size_t raised_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          const std::vector<int>& delays) {
-  const std::vector<int> alone = pairwise_delays(path, filter, sample_period, machine).delays;
+                          const std::vector<int>& delays, const std::vector<int>& alone) {
+  std::vector<int> found;
+  if (alone.empty()) found = pairwise_delays(path, filter, sample_period, machine).delays;
+  const std::vector<int>& least = alone.empty() ? found : alone;
   std::size_t raised = 0;
-  for (std::size_t b = 0; b < alone.size(); ++b) raised += delays[b] > alone[b] ? 1 : 0;
+  for (std::size_t b = 0; b < least.size(); ++b) raised += delays[b] > least[b] ? 1 : 0;
   return raised;
 }
 

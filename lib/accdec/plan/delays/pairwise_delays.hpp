@@ -31,8 +31,9 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, doubl
 
 /// Number of joints with a longer delay than they need alone, because moves overlap or the program gives it.
 /// @param delays  samples, one a block
+/// @param alone   those of pairwise_delays for this path; empty: they are found
 std::size_t raised_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          const std::vector<int>& delays);
+                          const std::vector<int>& delays, const std::vector<int>& alone = {});
 
 /// Smallest d >= 0 with which the path through the samples passes a single joint within `error_max`. The polyline error
 /// never grows with d.

@@ -68,8 +68,8 @@ std::optional<double> ArcCaps::speed(std::size_t b, double tolerance) const {
   const double chords = arc->last - arc->first + 1.0, angle = std::abs(arc->angle),
                done = (b - arc->first + 1.0) / chords;
   const double sagitta = arc->radius * (1.0 - std::cos(0.5 * angle / chords));
-  const double* at = path_.asked(b + 1);
-  const double* from = path_.asked(b);
+  const double* at = path_.programmed_point(b + 1);
+  const double* from = path_.programmed_point(b);
   // On a helix only a part of the length lies in the plane.
   const double in_plane = std::hypot(at[arc->x] - from[arc->x], at[arc->y] - from[arc->y]) / feeds_.length[b];
   const double top = std::max(feeds_.length[b] / path_.duration[b], feeds_.length[b + 1] / path_.duration[b + 1]);

@@ -51,7 +51,7 @@ class SteadyError {
         for (std::size_t a = 0; a < n; ++a) passed[k][a] += filter_.tap(tap) * c[a];
       }
     }
-    const double* joint = path_.asked(b + 1);
+    const double* joint = path_.programmed_point(b + 1);
     double least = unlimited;
     for (std::size_t k = 0; k < 2; ++k) {
       double along2 = 1e-300, dot = 0.0, sum = 0.0;

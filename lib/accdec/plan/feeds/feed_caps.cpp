@@ -182,7 +182,7 @@ double FeedCaps::steady_change(std::size_t b, double v) const {
 
 double FeedCaps::steady_error(std::size_t b, double v) const {
   const std::size_t n = feeds_.dimensions;
-  const double* joint = path_.asked(b + 1);
+  const double* joint = path_.programmed_point(b + 1);
   const double mean = motion_.mean_delay(), step = v * period_;
   std::array<double, program_axis_count> sum{};
   // Taps before the mean see the path beyond the joint, those after it the path before.

@@ -73,10 +73,10 @@ Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces
     out.arcs.push_back(arc);
   }
   for (const auto& [b, time] : path.dwell) out.dwell.emplace_back(last[b], time);
-  for (const auto& [b, time] : path.given) out.given.emplace_back(last[b], time);
-  for (Toolpath::Passed passed : path.passed) {
+  for (const auto& [b, time] : path.given_delays) out.given_delays.emplace_back(last[b], time);
+  for (Toolpath::KeptWords passed : path.kept_words) {
     if (passed.block > 0) passed.block = last[passed.block - 1] + 1;
-    out.passed.push_back(std::move(passed));
+    out.kept_words.push_back(std::move(passed));
   }
   for (Toolpath::Mode mode : path.modes) {
     if (mode.block > 0) mode.block = last[mode.block - 1] + 1;

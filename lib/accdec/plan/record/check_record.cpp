@@ -41,7 +41,7 @@ double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, d
     for (std::size_t a = 0; a < n; ++a) velocity[a] = (p[n + a] - p[a]) / programmed.duration[b];
     time += 2.0 * programmed.duration[b] / limits.start_factor(velocity.data());
   }
-  for (const auto& [block, delay] : programmed.given) time += delay;
+  for (const auto& [block, delay] : programmed.given_delays) time += delay;
   const double stop = (filter.order() + 2.0) * sample_period;
   return 10.0 * (time + stop * static_cast<double>(programmed.blocks() + 1));
 }

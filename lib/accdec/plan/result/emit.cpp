@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/plan/result/dialect_words.hpp>
 #include <accdec/plan/result/emit.hpp>
@@ -58,7 +59,7 @@ class Emission {
   void write() {
     if (timed_.used()) timed_.require(result_);
     // Read back, they are feed moves, and the remark stays.
-    bool slowed_rapids = std::any_of(path_.passed.begin(), path_.passed.end(),
+    bool slowed_rapids = std::any_of(path_.kept_words.begin(), path_.kept_words.end(),
                                      [](const auto& passed) { return passed.words.starts_with(slowed_remark); });
     for (std::size_t b = 0; b < path_.blocks(); ++b)
       slowed_rapids = slowed_rapids || (path_.rapid[b] != 0 && !stands_as_rapid(path_, b, machine_));
@@ -187,9 +188,9 @@ class Emission {
   }
 
   void passed(std::size_t b) {
-    for (; next_passed_ < path_.passed.size() && path_.passed[next_passed_].block <= b; ++next_passed_) {
-      const std::string& words = path_.passed[next_passed_].words;
-      if (path_.passed[next_passed_].with_block) {
+    for (; next_passed_ < path_.kept_words.size() && path_.kept_words[next_passed_].block <= b; ++next_passed_) {
+      const std::string& words = path_.kept_words[next_passed_].words;
+      if (path_.kept_words[next_passed_].with_block) {
         lines_.note(words_.remark(words));
         continue;
       }
@@ -217,7 +218,8 @@ class Emission {
   /// the tolerance of the programmed point, so it may be this much farther from the commanded point.
   double moved(std::size_t i) const {
     double sum = 0.0;
-    for (std::size_t a = 0; a < path_.dimensions(); ++a) sum += std::pow(path_.point(i)[a] - path_.asked(i)[a], 2);
+    for (std::size_t a = 0; a < path_.dimensions(); ++a)
+      sum += std::pow(path_.point(i)[a] - path_.programmed_point(i)[a], 2);
     return std::ceil(std::sqrt(sum) * 1e6) * 1e-6;
   }
 

@@ -32,7 +32,7 @@ double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
 /// the message gives the reason.
 ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
                                  const std::function<void(const std::string&)>& tell) {
-  const bool emitted_one = options.dwells_before_filter && emitted_filter(path);
+  const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
   if (task.settings && task.settings->names_family() && !emitted_one) {
     const Deadline until = options.deadline.within(filter_seconds(path, options));
     return settings_filter(path, task, options.fixed.feeds == Feeds::keep, until, tell);
@@ -43,7 +43,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
     given.solver.method = "given";
     return given;
   }
-  if (const auto emitted = options.dwells_before_filter ? emitted_filter(path) : std::nullopt) {
+  if (const auto emitted = options.fixed.dwells_before_filter ? emitted_filter(path) : std::nullopt) {
     if (tell) tell("the filter is the one that the program was planned for");
     ProgramFilter given;
     given.filter = *emitted;
@@ -152,13 +152,14 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
   if (!options.deadline.over()) result.settings->free_taps = time_of_free_taps(result, programmed, task, options);
 }
 
-/// With arcs as they were read: widened where options.compensate_arcs says so.
+/// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
 ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const ProgramFilter& choice, const Task& task,
                            const ProgramFileOptions& options) {
   const bool finer = options.fixed.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
   const bool kept = options.fixed.feeds == Feeds::choose && choice.designed &&
-                    file.path.blocks() <= several_plans_max && (!options.compensate_arcs || file.path.arcs.empty());
+                    file.path.blocks() <= several_plans_max &&
+                    (!options.fixed.compensate_arcs || file.path.arcs.empty());
   const Toolpath programmed = choice.settings && file.path.blocks() <= several_plans_max ? file.path : Toolpath{};
   const auto plan = [&](Toolpath path, Feeds feeds) {
     set_control(path, task, choice);
@@ -166,7 +167,7 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
                        options.deadline);
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
-  const bool widen = options.fixed.feeds == Feeds::choose && options.compensate_arcs && !file.path.arcs.empty();
+  const bool widen = options.fixed.feeds == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();
   std::optional<ProgramFile> straight;
   if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
   const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.fixed.feeds;
@@ -179,7 +180,7 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
     ProgramResult other = plan(std::move(again.path), feeds);
     planning += other.solver.wall_time;
     const bool as_asked =
-        !options.compensate_arcs || !other.plan.path.programmed.empty() || result.plan.path.programmed.empty();
+        !options.fixed.compensate_arcs || !other.plan.path.programmed.empty() || result.plan.path.programmed.empty();
     const bool better = other.verification.feasible && as_asked &&
                         (!result.verification.feasible || other.cycle_time < result.cycle_time);
     if (!result.cycle_time_kept && other.cycle_time_kept) take_kept(other, *other.cycle_time_kept, result);
@@ -224,12 +225,12 @@ ProgramResult choose_and_plan(const std::string& name, ProgramFile& file, const 
 
 ProgramResult run_fixed_plan(const std::string& name, ProgramFile& file, const Task& task,
                              const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
-  if (!options.compensate_arcs || file.path.arcs.empty()) return choose_and_plan(name, file, task, options, tell);
+  if (!options.fixed.compensate_arcs || file.path.arcs.empty()) return choose_and_plan(name, file, task, options, tell);
   // First without compensation and with all the time there is: a time limit cannot make the answer slower than that.
   ProgramFile plain = file;
   plain.path.widen_arcs = plain.reading.widen_arcs = false;
   ProgramFileOptions as_programmed = options;
-  as_programmed.compensate_arcs = false;
+  as_programmed.fixed.compensate_arcs = false;
   ProgramResult result = choose_and_plan(name, plain, task, as_programmed, tell);
   if (options.deadline.over() && result.verification.feasible) {
     result.compensation = "arcs are commanded as programmed: the time limit ended before a plan that widens them";

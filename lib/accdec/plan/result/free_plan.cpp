@@ -24,7 +24,7 @@ namespace {
 void refuse_options(const Toolpath& path, const ProgramFileOptions& options) {
   if (options.fixed.feeds == Feeds::keep)
     refuse("takes F as an upper bound and chooses the speed of every sample", "only plan fixed keeps feeds");
-  if (!path.given.empty()) refuse("takes no delays from the program", "leave out --dwells-before-filter");
+  if (!path.given_delays.empty()) refuse("takes no delays from the program", "leave out --dwells-before-filter");
 }
 
 void refuse_limits(const Task& task, const Toolpath& path) {
@@ -145,7 +145,7 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   const Machine machine = program_machine(task.machine, profiles.plan.path);
   AlongPlan begun = fastest_samples(profiles, beside, task, options.deadline);
   ProgramResult result = shortened(profiles, std::move(begun), machine, options, tell);
-  if (options.compensate_arcs)
+  if (options.fixed.compensate_arcs)
     result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
   return answer(std::move(result));
 }

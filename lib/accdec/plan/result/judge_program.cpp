@@ -97,10 +97,11 @@ void count_joints(ProgramResult& result) {
 
 }  // namespace
 
-void judge_program(ProgramResult& result, const Machine& machine) {
+void judge_program(ProgramResult& result, const Machine& machine, const std::vector<int>& alone) {
   count_joints(result);
   if (const FilteredCommand* command = result.plan.command())
-    result.raised = raised_delays(result.plan.path, command->filter, result.sample_period, machine, command->delays);
+    result.raised =
+        raised_delays(result.plan.path, command->filter, result.sample_period, machine, command->delays, alone);
   add_vibration(result, machine);
   if (result.plan.path.blocks() <= several_plans_max || has_ratings(machine))
     result.loads = axis_loads(result, machine);
@@ -145,13 +146,13 @@ std::size_t blocks_of(const Toolpath& programmed) {
   return static_cast<std::size_t>(std::count(programmed.inside_arc.begin(), programmed.inside_arc.end(), 0));
 }
 
-double widest(const Toolpath& path) {
+double largest_widening(const Toolpath& path) {
   double most = 0.0;
   const std::size_t n = path.dimensions();
   for (std::size_t i = 0; i <= path.blocks() && !path.programmed.empty(); ++i) {
     double sum = 0.0;
     for (std::size_t a = 0; a < n; ++a)
-      sum += (path.point(i)[a] - path.asked(i)[a]) * (path.point(i)[a] - path.asked(i)[a]);
+      sum += (path.point(i)[a] - path.programmed_point(i)[a]) * (path.point(i)[a] - path.programmed_point(i)[a]);
     most = std::max(most, std::sqrt(sum));
   }
   return most;

@@ -4,10 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/simulate/sample_check.hpp>
+#include <accdec/task/blend_limits.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -39,6 +42,30 @@ std::string tolerance_broken_most(const Toolpath& path, const ProgramPlan& plan)
   return name;
 }
 
+/// Whether exact stops surely hold, without simulating them. The motion of a block is that of its start less that of
+/// its stop, some samples later. Taps are not negative, so the speed and the acceleration of both together are at most
+/// those of one of them. The jerk is at most twice that of one. So is that of a stop with the next start.
+bool stops_surely_hold(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
+  const bool inside_arcs = std::ranges::any_of(path.inside_arc, [](auto inside) { return inside != 0; });
+  if (inside_arcs || path.contour_max < unlimited || !FilterBehind(filter, machine, sample_period).ideal() ||
+      limits_supply(machine) || has_mode_of_axis(machine))
+    return false;
+  Machine halved = machine;
+  for (Axis& axis : halved.axes) {
+    for (const AxisLimit& limit : axis_limits)
+      if (limit.load && axis.*limit.bound < unlimited) return false;
+    axis.jerk_max *= 0.5;
+  }
+  const BlendLimits limits(filter, halved, sample_period);
+  const std::size_t n = path.dimensions();
+  std::vector<double> velocity(n);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    for (std::size_t a = 0; a < n; ++a) velocity[a] = (path.point(b + 1)[a] - path.point(b)[a]) / path.duration[b];
+    if (limits.start_factor(velocity.data()) < 1.0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
@@ -50,9 +77,14 @@ OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample
   times.no_delay =
       static_cast<double>(motion_samples(CommandTiming(path, sample_period, none), filter)) * sample_period;
   std::vector<int> delays = pairwise_delays(path, filter, sample_period, machine, DelayRule::exact_stop).delays;
+  if (stops_surely_hold(path, filter, sample_period, machine)) {
+    times.exact_stop =
+        static_cast<double>(motion_samples(CommandTiming(path, sample_period, delays), filter)) * sample_period;
+    return times;
+  }
   for (const int more : {0, 1}) {
     for (int& delay : delays) delay += delay > 0 ? more : 0;
-    const ProgramPlan plan = check_program(path, filter, sample_period, machine, delays);
+    const ProgramPlan plan = check_program(path, filter, sample_period, machine, delays, false);
     times.exact_stop = static_cast<double>(plan.simulation.samples) * sample_period;
     const std::string limit = broken_most(plan.simulation.limits), tolerance = tolerance_broken_most(path, plan);
     times.breaks = limit + (limit.empty() || tolerance.empty() ? "" : " and ") + tolerance;

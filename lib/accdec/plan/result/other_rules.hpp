@@ -15,7 +15,7 @@ struct OtherRules {
   std::string breaks;       ///< the limit that exact stops nevertheless break most; empty: they hold all
 };
 /// If the last tap of one leg and the first of the next together break a limit, exact stops take one sample more. They
-/// are simulated.
+/// are simulated, unless it is certain that they hold.
 OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
 }  // namespace accdec

@@ -70,13 +70,13 @@ class DepartureWalk {
       if (at_ == commanded_.blocks()) return "the commands end before it does";
       if (commanded_.line[at_] != programmed_.line[b] || commanded_.rapid[at_] != programmed_.rapid[b])
         return "its commands are recorded as of another line or kind of move";
-      const double* end = commanded_.asked(at_ + 1);
+      const double* end = commanded_.programmed_point(at_ + 1);
       const auto [part, off] = foot_on(from, to, end, n);
       if (off > departure_rounding || part < passed - departure_rounding / length ||
           part > 1.0 + departure_rounding / length)
         return "the path leaves it";
       passed = part;
-      const double piece = distance(commanded_.asked(at_), end, n);
+      const double piece = distance(commanded_.programmed_point(at_), end, n);
       if (piece > speed * commanded_.duration[at_] * (1.0 + 1e-5) + departure_rounding)
         return "is commanded above its programmed feed";
       if (distance(end, to, n) <= departure_rounding && !goes_on_to(to)) return nullptr;
@@ -90,7 +90,8 @@ class DepartureWalk {
   bool goes_on_to(const double* to) const {
     if (at_ + 1 == commanded_.blocks() || commanded_.joint[at_] != Joint::straight || own_.contains(at_)) return false;
     const std::size_t n = programmed_.dimensions();
-    return distance(commanded_.asked(at_ + 2), to, n) <= distance(commanded_.asked(at_ + 1), to, n);
+    return distance(commanded_.programmed_point(at_ + 2), to, n) <=
+           distance(commanded_.programmed_point(at_ + 1), to, n);
   }
 
   const char* end_of(std::size_t b) const {
@@ -120,7 +121,7 @@ class DepartureWalk {
 
 std::string departs_from(const Toolpath& commanded, const Toolpath& programmed) {
   if (commanded.axes != programmed.axes) return "other axes move than in the program";
-  if (distance(commanded.asked(0), programmed.point(0), programmed.dimensions()) > departure_rounding)
+  if (distance(commanded.programmed_point(0), programmed.point(0), programmed.dimensions()) > departure_rounding)
     return "it begins elsewhere";
   if (!same_time(commanded.dwell_first, programmed.dwell_first)) return "the dwell before the first block is another";
   return DepartureWalk(commanded, programmed).run();

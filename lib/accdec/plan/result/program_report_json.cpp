@@ -123,7 +123,7 @@ std::string program_to_json(const ProgramResult& result) {
                     {"taps", std::vector<double>(filter.taps().begin(), filter.taps().end())}};
   if (!result.candidates.empty()) json["candidates"] = plan_times_to_json(result.candidates);
   json["feeds"] = result.feeds_chosen ? "chosen" : "programmed";
-  if (!result.plan.path.programmed.empty()) json["arcs_widened_m"] = widest(result.plan.path);
+  if (!result.plan.path.programmed.empty()) json["arcs_widened_m"] = largest_widening(result.plan.path);
   if (!result.compensation.empty()) json["compensation"] = result.compensation;
   json["blocks"] = result.programmed_blocks;
   json["straight_moves"] = result.programmed_moves;

@@ -149,7 +149,8 @@ class SummaryText {
       put("  feeds chosen: {} steps of the feed inside {} straight moves\n", path.blocks() - result_.programmed_moves,
           result_.programmed_moves);
     }
-    if (!path.programmed.empty()) put("  arcs commanded on radii larger by up to {:.3f} um\n", widest(path) * 1e6);
+    if (!path.programmed.empty())
+      put("  arcs commanded on radii larger by up to {:.3f} um\n", largest_widening(path) * 1e6);
     if (!result_.compensation.empty()) put("  {}\n", result_.compensation);
     if (!path.clamped.empty()) {
       put("  feeds above an axis' velocity limit are lowered to it in {} lines, the first {}\n", path.clamped.size(),

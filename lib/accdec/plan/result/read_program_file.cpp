@@ -49,12 +49,12 @@ void say_long_dwells(const Toolpath& path, const std::string& file, const Tell& 
 
 /// Puts a remark before everything, unless the program has one of this head from when it was written before.
 void remark(Toolpath& path, const std::string& head, const std::string& text) {
-  const bool known =
-      std::any_of(path.passed.begin(), path.passed.end(), [&](const auto& p) { return p.words.starts_with(head); });
+  const bool known = std::any_of(path.kept_words.begin(), path.kept_words.end(),
+                                 [&](const auto& p) { return p.words.starts_with(head); });
   if (known) return;
-  Toolpath::Passed first;
+  Toolpath::KeptWords first;
   first.words = head + text;
-  path.passed.insert(path.passed.begin(), std::move(first));
+  path.kept_words.insert(path.kept_words.begin(), std::move(first));
 }
 
 std::string words_of(const std::vector<Toolpath::Selected>& systems) {
@@ -100,14 +100,14 @@ void say_tools(Toolpath& path, const std::string& file, const ProgramTools& tool
 /// rs274 moves the coordinates by what offsets words set, and drops the words. Whoever runs an emitted program has to
 /// know: on a machine with the same offset in force, the tool would go twice as far aside or down.
 void say_what_acts(Toolpath& path, const ProgramTools& tools) {
-  std::vector<Toolpath::Passed> remarks(1);
+  std::vector<Toolpath::KeptWords> remarks(1);
   remarks[0].words =
       "(offsets that the program sets and cutter compensation are in the coordinates, without their words: they must "
       "not act again)";
   remarks.emplace_back().words =
       tools.length == 0.0 ? "(tool lengths are not in the coordinates, nor is G43: it must act on the machine)"
                           : "(tool lengths by G43 are in the coordinates, G43 is not: it must not act again)";
-  path.passed.insert(path.passed.begin(), remarks.begin(), remarks.end());
+  path.kept_words.insert(path.kept_words.begin(), remarks.begin(), remarks.end());
 }
 
 }  // namespace
@@ -126,13 +126,13 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
   ToolpathOptions& reading = result.reading;
   reading.read.arc_tolerance =
       options.arc_tolerance.value_or(options.fixed.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);
-  reading.widen_arcs = options.compensate_arcs;
+  reading.widen_arcs = options.fixed.compensate_arcs;
   reading.error_max = task.program_error_max;
   reading.contour_max = task.program_contour_max.value_or(unlimited);
   reading.clamp_feeds = options.fixed.feeds == Feeds::choose;
   reading.rapid_stops = options.rapid_stops;
   reading.read.tools = options.tools.given();
-  reading.dwells_before_filter = options.dwells_before_filter;
+  reading.dwells_before_filter = options.fixed.dwells_before_filter;
   try {
     LineSource source{std::filesystem::path(file)};
     result.path = read_toolpath(source, task.machine, reading);

@@ -54,7 +54,7 @@ class Planning {
   /// Plans at the programmed feeds, with rapid moves as fast as the filter can start and stop them.
   /// @param tune_curves  see plan_program
   void keep(const Toolpath& path, bool tune_curves) {
-    if (!path.given.empty()) as_commanded(path, false);
+    if (!path.given_delays.empty()) as_commanded(path, false);
     base_ = path;
     limit_rapids(base_, filter_, task_.sample_period, machine_);
     snap_durations(base_, filter_, task_.sample_period, machine_);
@@ -74,7 +74,7 @@ class Planning {
     return all_holds(best_.plan);
   }
   void choose(const Toolpath& path) {
-    if (path.blocks() <= several_plans_max || !path.given.empty()) as_commanded(path, true);
+    if (path.blocks() <= several_plans_max || !path.given_delays.empty()) as_commanded(path, true);
     ScheduledPlan plan =
         schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_);
     snap(plan);
@@ -109,13 +109,8 @@ class Planning {
   /// The plan as the result's.
   void take() {
     ProgramPlan& plan = best_.plan;
-    // Planning only had to know that each joint holds. The result reports the least distance.
-    SimulationOptions whole;
-    whole.whole_windows = true;
-    whole.motion = behind_.servo();
-    simulate_program(CommandTiming(best_.path, task_.sample_period, plan.delays), filter_, 0, best_.path.blocks() - 1,
-                     plan.errors, whole);
     delays_had_ = plan.delays_had;
+    alone_ = std::move(plan.alone);
     result_.errors = std::move(plan.errors);
     result_.check.samples = plan.simulation.samples;
     result_.check.limits = std::move(plan.simulation.limits);
@@ -131,6 +126,8 @@ class Planning {
 
   /// Whether the control can give the delays of the plan taken.
   bool delays_had() const { return delays_had_; }
+  /// Its delays of joints alone, see ProgramPlan.
+  const std::vector<int>& alone() const { return alone_; }
 
   /// The times without delays and with exact stops, at the programmed feeds. If only the plan with chosen feeds was
   /// made, at its feeds.
@@ -154,7 +151,7 @@ class Planning {
       if (path.joint[b] == Joint::stop)
         delays[b] = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
     }
-    for (const auto& [block, delay] : path.given) {
+    for (const auto& [block, delay] : path.given_delays) {
       delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
     }
     plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
@@ -171,6 +168,7 @@ class Planning {
       plan.path.duration = std::move(before);
       return;
     }
+    plan.plan.alone.clear();  // they were for the durations before
     plan.plan.errors = std::move(snapped.errors);
     plan.plan.simulation = std::move(snapped.simulation);
     plan.plan.errors_hold = true;
@@ -178,7 +176,7 @@ class Planning {
   /// Stops were planned with the delay that legs longer than the filter need. After shorter legs the least may be
   /// enough.
   void relax_stops(ScheduledPlan& plan) const {
-    if (!plan.path.given.empty()) return;
+    if (!plan.path.given_delays.empty()) return;
     const int least = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
     std::vector<int> delays = plan.plan.delays;
     for (std::size_t b = 0; b + 1 < plan.path.blocks(); ++b) {
@@ -226,6 +224,7 @@ class Planning {
   Toolpath base_;               // planned at the programmed feeds
   std::optional<double> kept_;  // s, of that plan, which need not hold
   bool delays_had_ = true;
+  std::vector<int> alone_;
 };
 
 /// The part of every plan's result on the program and the task.
@@ -287,7 +286,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   planning.take();
   result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
   planning.other_rules();
-  judge_program(result, machine);
+  judge_program(result, machine, planning.alone());
   if (!planning.delays_had()) {
     result.verification.feasible = false;
     result.status = Status::failed;
@@ -310,7 +309,7 @@ ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& t
         "plans profiles and free give every sample a position, and the task's control has one filter for the whole "
         "program ([design] family, or the controller's); use --plan fixed, or leave the family out");
   }
-  if (!path.given.empty()) {
+  if (!path.given_delays.empty()) {
     throw std::invalid_argument(
         "plan profiles takes no delays from the program: it has no one filter that they "
         "belong to; leave out --dwells-before-filter");

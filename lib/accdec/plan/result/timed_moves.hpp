@@ -23,7 +23,7 @@ class TimedMoves {
       if (program_axes[a] == axis_)
         throw std::invalid_argument(fmt::format("axis {} cannot time delays: the program moves it", axis_));
     }
-    for (const auto& passed : path.passed) {
+    for (const auto& passed : path.kept_words) {
       if (passed.words.starts_with("G4"))
         throw std::invalid_argument("the program dwells (G4), which LinuxCNC does not time in samples");
     }

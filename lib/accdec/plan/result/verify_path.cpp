@@ -66,7 +66,7 @@ class OffBlocks {
   }
   double off_block(const Place& at, std::size_t b) const {
     long double along = 0.0L, length = 0.0L, square = 0.0L;
-    const double *begin = path_.asked(b), *end = path_.asked(b + 1);
+    const double *begin = path_.programmed_point(b), *end = path_.programmed_point(b + 1);
     for (std::size_t a = 0; a < path_.dimensions(); ++a) {
       const long double way = static_cast<long double>(end[a]) - begin[a];
       along += way * (at[a] - static_cast<long double>(begin[a])), length += way * way;
