@@ -209,7 +209,7 @@ function drawNow() {
   drawPath(
     $("#path .draw"),
     { view, corner: result.corners[i], tolerance },
-    old ? { view: old, tolerance: null } : null,
+    old ? { view: old } : null,
   );
   const ends = ({ result }) => {
     const { delay_samples, settling_time_s = 0 } = result.corners[i];
