@@ -75,6 +75,19 @@ ACCDEC_KERNEL void nearest_body(const double* const* position, std::size_t n, co
   }
 }
 
+template <class Width, std::size_t axes>
+ACCDEC_KERNEL double path_body(const double* const* position, std::size_t n, const double* point, std::int64_t first,
+                               std::int64_t last) {
+  constexpr std::int64_t lanes = lane_count<Width>;
+  alignas(64) double d[lanes];
+  double least = far;
+  for (std::int64_t k = first; k < last; k += lanes) {
+    segments_squared<Width, axes>(d, position, n, point, k);
+    for (std::int64_t l = 0; l < lanes; ++l) least = k + l < last && d[l] < least ? d[l] : least;
+  }
+  return least;
+}
+
 using Nearest = void (*)(const double* const*, std::size_t, const double*, const JointWindow*, std::size_t, double*);
 
 #define ACCDEC_NEAREST(name, target, Width)                                                                       \
@@ -84,13 +97,28 @@ using Nearest = void (*)(const double* const*, std::size_t, const double*, const
     if (n == 3) return nearest_body<Width, 3>(position, n, points, joints, count, squared);                       \
     return nearest_body<Width, 0>(position, n, points, joints, count, squared);                                   \
   }
+
+using Path = double (*)(const double* const*, std::size_t, const double*, std::int64_t, std::int64_t);
+
+#define ACCDEC_PATH(name, target, Width)                                                                    \
+  target double name(const double* const* position, std::size_t n, const double* point, std::int64_t first, \
+                     std::int64_t last) {                                                                   \
+    if (n == 2) return path_body<Width, 2>(position, n, point, first, last);                                \
+    if (n == 3) return path_body<Width, 3>(position, n, point, first, last);                                \
+    return path_body<Width, 0>(position, n, point, first, last);                                            \
+  }
 ACCDEC_NEAREST(nearest_plain, , Two)
+ACCDEC_PATH(path_plain, , Two)
 #if defined(__x86_64__)
 ACCDEC_NEAREST(nearest_avx2, ACCDEC_TARGET_AVX2, Four)
 ACCDEC_NEAREST(nearest_avx512, ACCDEC_TARGET_AVX512, Eight)
+ACCDEC_PATH(path_avx2, ACCDEC_TARGET_AVX2, Four)
+ACCDEC_PATH(path_avx512, ACCDEC_TARGET_AVX512, Eight)
 const Nearest nearest = for_this_processor<Nearest>(nearest_plain, nearest_avx2, nearest_avx512);
+const Path path = for_this_processor<Path>(path_plain, path_avx2, path_avx512);
 #else
 constexpr Nearest nearest = nearest_plain;
+constexpr Path path = path_plain;
 #endif
 
 }  // namespace
@@ -98,6 +126,11 @@ constexpr Nearest nearest = nearest_plain;
 void nearest_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
                      std::size_t count, double* squared) {
   nearest(position, n, points, joints, count, squared);
+}
+
+double path_squared(const double* const* position, std::size_t n, const double* point, std::int64_t first,
+                    std::int64_t last) {
+  return path(position, n, point, first, last);
 }
 
 }  // namespace accdec
