@@ -16,7 +16,6 @@
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/formats/controller_file.hpp>
-#include <accdec/machine/response.hpp>
 #include <accdec/study/baseline_table.hpp>
 #include <accdec/task.hpp>
 
@@ -118,10 +117,6 @@ void run(const DesignArguments& arguments, Context& context) {
   const Task task = read_task(arguments.task, {.response = Considered::all});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
-  const bool compared = Response(task.machine, task.sample_period).averages();
-  if (arguments.baselines && !compared)
-    throw std::invalid_argument("--baselines needs response_taps >= 0: families are searched by formulas");
-
   DesignOptions options = asked_options(arguments, task, context.quiet);
   options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
   // A third of it each for the design and the two tables.
@@ -146,7 +141,7 @@ void run(const DesignArguments& arguments, Context& context) {
   std::optional<study::BaselineTable> table;
   if (arguments.baselines) {
     table = full_table(task, result, options, left());
-  } else if (compared && result.filter && !task.filter && !result.settings && (shown || task.baseline)) {
+  } else if (result.filter && !task.filter && !result.settings && (shown || task.baseline)) {
     // Unasked: what is found in a moment.
     const double most = arguments.no_baselines ? 0.0 : 1.0;
     table = study::compare_with_baselines(result, std::clamp(left(), 0.0, most));

@@ -1,8 +1,10 @@
-"""Makes the wheel: CMake builds and installs the module, patchelf ties it to the libraries that the wheel carries.
+"""Makes the wheel: CMake builds and installs the module, patchelf ties it to the libraries that the wheel carries. The
+source distribution has all that this needs.
 
 The hooks are PEP 517's. `--config-settings build=FOLDER` takes what a configured build folder has; without it, CMake
 builds in build/wheel.
 """
+import io
 import os
 import pathlib
 import platform
@@ -11,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import tempfile
 import tomllib
 
@@ -18,6 +21,7 @@ from wheel.wheelfile import WheelFile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+SOURCES = ("CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "lib", "apps", "problems")  # of the module
 # Every Linux with this C library has them (PEP 600); all others come along.
 EVERYWHERE = re.compile(r"(ld-linux.*|libc|libm|libdl|librt|libpthread|libgcc_s|libstdc\+\+|libz)\.so(\.\d+)*")
 
@@ -136,4 +140,13 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    raise SystemExit("the module is built within the project's sources: python3 -m build --wheel --no-isolation")
+    name = f"accdec-{version()}"
+    description = (HERE / "pyproject.toml").read_text().replace('backend-path = ["."]', 'backend-path = ["apps/python"]')
+    with tarfile.open(os.path.join(sdist_directory, f"{name}.tar.gz"), "w:gz", format=tarfile.PAX_FORMAT) as archive:
+        for part in SOURCES:
+            archive.add(ROOT / part, f"{name}/{part}", filter=lambda f: None if f.name.endswith("__pycache__") else f)
+        for file, text in (("PKG-INFO", metadata()), ("pyproject.toml", description)):
+            entry = tarfile.TarInfo(f"{name}/{file}")
+            entry.size = len(text.encode())
+            archive.addfile(entry, io.BytesIO(text.encode()))
+    return f"{name}.tar.gz"

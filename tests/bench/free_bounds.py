@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Regenerates results/program/free.md: tests/bench/free_bounds.py [PROGRAM accdec] [--seconds S] [--out FILE]
+[--only PROGRAM..]
 
 Plan `free` beside the bound for any motion, on shipped and generated programs, with and without a jerk limit.
 """
@@ -57,8 +58,19 @@ the bound counts the acceleration and jerk that the axes need to go back and for
 """
 
 
+def known_rows(page):
+    """Rows of the page as it is, by program and jerk limit."""
+    cells = (line.split("|") for line in page.read_text().splitlines() if line.startswith("| ") and " | " in line)
+    return {(c[1].strip(), c[2].strip()): "|".join(c) for c in cells}
+
+
+ONLY = ("--only", {"nargs": "+", "metavar": "PROGRAM",
+                   "help": "rows of these programs, by the beginnings of their names; the others stay as they are"})
+
+
 def main():
-    options = free_pages.options(__doc__, "free.md", 100)
+    options = free_pages.options(__doc__, "free.md", 100, [ONLY])
+    known = known_rows(options.out) if options.only else {}
     text = HEAD % options.seconds
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -66,6 +78,9 @@ def main():
             # The bound of a hundred different corners takes more of the time limit.
             seconds = options.seconds * (1.5 if "zigzag-p" in program else 1)
             for jerk in (0, JERK):
+                if options.only and not program.startswith(tuple(options.only)):
+                    text += known[program, str(jerk or "-")] + "\n"
+                    continue
                 text += row(program, jerk, *planned(options.accdec, folder, file, jerk, seconds)) + "\n"
                 print(text.splitlines()[-1], flush=True)
     options.out.write_text(text)

@@ -7,12 +7,14 @@ import subprocess
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
 
-def options(description, page, seconds):
-    """Of a script that writes results/program/<page>."""
+def options(description, page, seconds, more=()):
+    """Of a script that writes results/program/<page>. more: further options, (name, keywords of argparse)."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("accdec", nargs="?", default=str(SOURCE / "build/release/apps/accdec"))
     parser.add_argument("--seconds", type=float, default=seconds)
     parser.add_argument("--out", type=pathlib.Path, default=SOURCE / "results/program" / page)
+    for option, keywords in more:
+        parser.add_argument(option, **keywords)
     return parser.parse_args()
 
 

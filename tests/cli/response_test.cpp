@@ -144,12 +144,11 @@ TEST_F(ResponseOfTasks, ResponsesWithoutAProofAreTakenEverywhere) {
     EXPECT_EQ(run({"plot", result, "--out", folder_.path("figure.svg")}).code, 0);
     std::filesystem::remove_all(folder_.path("out"));
   }
-  const Outcome tables = run({"design", task(axes, ""), "--baselines", "--time-limit", "9"});
-  EXPECT_EQ(tables.code, 0) << tables.err;
-  EXPECT_THAT(tables.out, HasSubstr("two averages (trapezoidal acceleration"));
-  const Outcome swings = run({"design", task(negative, ""), "--baselines", "--time-limit", "6"});
-  EXPECT_EQ(swings.code, 2);
-  EXPECT_THAT(swings.err, HasSubstr("--baselines needs response_taps >= 0"));
+  for (const std::string& response : {axes, negative}) {
+    const Outcome tables = run({"design", task(response, ""), "--baselines", "--time-limit", "9"});
+    EXPECT_EQ(tables.code, 0) << tables.err;
+    EXPECT_THAT(tables.out, HasSubstr("two averages (trapezoidal acceleration"));
+  }
 }
 
 TEST_F(ResponseOfTasks, ExplainAndPlotConsiderIt) {

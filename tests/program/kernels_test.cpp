@@ -3,13 +3,17 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include <accdec/filter.hpp>
 #include <accdec/simulate/convolve.hpp>
 #include <accdec/simulate/joint_distance.hpp>
 #include <accdec/simulate/motion_extremes.hpp>
+#include <accdec/simulate/sample_check.hpp>
+#include <accdec/simulate/sample_smoother.hpp>
 
 namespace accdec {
 namespace {
@@ -92,7 +96,7 @@ TEST(Kernels, LeastDistanceIsThatOfTheWholeWindow) {
         std::vector<std::vector<double>> s;
         std::array<const double*, 9> position{};
         for (std::size_t a = 0; a < axes; ++a)
-          s.push_back(random_values(samples + least_margin, static_cast<unsigned>(7 + a)));
+          s.push_back(random_values(samples + nearest_margin, static_cast<unsigned>(7 + a)));
         for (std::size_t a = 0; a < axes; ++a) position[a] = s[a].data();
         const std::vector<double> points = random_values(40 * axes, 11);
         std::vector<JointWindow> joints;
@@ -107,6 +111,56 @@ TEST(Kernels, LeastDistanceIsThatOfTheWholeWindow) {
                               static_cast<std::size_t>(joints[j].last), path);
           EXPECT_NEAR(squared[j], near, 64.0 * epsilon * (1.0 + near)) << axes << " " << samples << " " << path;
         }
+      }
+    }
+  }
+}
+
+TEST(Kernels, PathIsTheNearestOfItsSegments) {
+  for (const std::size_t n : {1U, 2U, 3U, 5U}) {
+    constexpr std::size_t samples = 40;
+    std::vector<double> rows[5];
+    const double* position[5];
+    for (std::size_t a = 0; a < n; ++a) {
+      rows[a] = random_values(samples + nearest_margin, 20 + static_cast<unsigned>(a));
+      rows[a][9] = rows[a][8];
+      position[a] = rows[a].data();
+    }
+    const auto at = [&](std::size_t k) {
+      std::vector<double> point;
+      for (std::size_t a = 0; a < n; ++a) point.push_back(rows[a][k]);
+      return point;
+    };
+    const std::vector<double> point = random_values(n, 30);
+    for (const auto& [first, last] : {std::pair{0U, 1U}, {3U, 11U}, {8U, 9U}, {0U, 39U}, {5U, 14U}}) {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = first; k < last; ++k)
+        least = std::min(least, segment_distance2(at(k).data(), at(k + 1).data(), point.data(), n));
+      EXPECT_NEAR(path_squared(position, n, point.data(), first, last), least, 100.0 * epsilon);
+    }
+  }
+}
+
+TEST(Kernels, SmootherIsTheMeanOfItsTaps) {
+  for (const int taps : {1, 2, 7, 200}) {
+    for (const bool equal : {true, false}) {
+      std::vector<double> weights(static_cast<std::size_t>(taps), 1.0);
+      if (!equal) weights.back() = 0.5;
+      const Filter filter(weights);
+      const std::vector<double> x = random_values(1000, 40);
+      // Roundings of distances up to 2; the unit, by which small positions differ.
+      const double rounding = (equal ? 5.0 : 5.0 + 2.0 * taps) * epsilon, unit = taps * std::ldexp(1.0, -60);
+      SampleSmoother smoother(filter, 2, {x[0], 1e-3 * x[0]}, 0, 1.0);
+      for (std::size_t k = 1; k < x.size(); ++k) {
+        SampleSmoother::Point out{};
+        smoother.next({x[k], 1e-3 * x[k]}, static_cast<std::int64_t>(k), out);
+        long double mean = 0.0L;
+        for (int i = 0; i < taps; ++i)
+          mean += static_cast<long double>(filter.tap(i)) * x[k - std::min(k, static_cast<std::size_t>(i))];
+        EXPECT_NEAR(out[0], static_cast<double>(mean), rounding + unit);
+        EXPECT_NEAR(out[1], 1e-3 * static_cast<double>(mean), 1e-3 * rounding + unit);
+        EXPECT_EQ(smoother.oldest_place(static_cast<std::int64_t>(k)),
+                  std::max<std::int64_t>(0, static_cast<std::int64_t>(k) - taps + 1));
       }
     }
   }

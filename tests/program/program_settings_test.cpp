@@ -249,7 +249,12 @@ TEST_F(ProgramCommand, AControlThatTakesTapsIsToldToSetThem) {
   EXPECT_EQ(read("out").find(answer), 0U) << read("out");
   EXPECT_THAT(read("r.html"), HasSubstr("Set these: the "));
   EXPECT_EQ(record["answer"].get<std::string>().find(answer), 0U);
-  EXPECT_EQ(run("verify r.json").code, 0);
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+  record["answer"] = "Set these: 2 taps.";
+  write("forged.json", record.dump());
+  const Output forged = run("verify forged.json");
+  EXPECT_EQ(forged.code, 1);
+  EXPECT_THAT(forged.out, HasSubstr("answer is not what the other members say"));
 }
 
 /// Way over feed bounds the time of any taps. The answer in words is forged with the number, so that only the bound

@@ -70,6 +70,8 @@ class Anytime {
     if (!has_bound() && !(convex && task_.machine.modes.empty())) bound_of_part(easier_part(task_), 0.1);
     // A very quiet filter is usually found only by a window made for it, and then at once.
     if (!exact_->has_design()) shapes(0.1);
+    // What a control's own filters reach, free taps reach as well.
+    families(0.2);
     const double share = several ? 0.35 : 0.2;
     const bool dense = several && task_.design.order_min <= dense_order_max;
     if (dense) local("nlopt-slsqp", 0.4 * share);
@@ -96,7 +98,7 @@ class Anytime {
     judge();
     if (settled()) return *exact_;
     if (best_ && best_->status == Status::optimal) return finish();
-    families();
+    families(1.0);
     local("nlopt-slsqp", 0.3);
     local(options_.nlp.solver, 1.0);
     if (over()) exact_->stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
@@ -196,10 +198,11 @@ class Anytime {
   }
 
   /// If nothing better may follow, at least the filters that controls have are searched in earnest.
-  void families() {
+  void families(double share) {
     if (over() || task_.filter) return;
     constexpr double most = 2.0;  // s; the two-stage averages take a few ms
-    for (FamilyResult& member : best_members(task_, std::min(most, left()), options_.cancel)) {
+    const double seconds = std::min({most, share * options_.time_limit, left()});
+    for (FamilyResult& member : best_members(task_, seconds, options_.cancel)) {
       if (!member.spec || !member.result.has_design()) continue;
       DesignResult found = std::move(member.result);
       found.task = task_;

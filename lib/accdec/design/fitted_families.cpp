@@ -4,6 +4,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <accdec/design/fitted_families.hpp>
@@ -59,9 +60,9 @@ double variance_of(const FilterSpec& spec) {
 }
 
 /// The least of a function near `best` by golden section.
-double golden_least(const std::function<double(double)>& squares, double low, double high) {
+double golden_least(const std::function<double(double)>& squares, double low, double high, int steps = 30) {
   const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < steps; ++i) {
     const double left = high - golden * (high - low), right = low + golden * (high - low);
     (squares(left) < squares(right) ? high : low) = squares(left) < squares(right) ? right : left;
   }
@@ -160,26 +161,30 @@ class FamilyFits {
     keep(1);
   }
 
-  /// Two poles in series by their sum and the part of the longer one: the log shows the sum far better.
+  /// Two poles in series: the root of the sum of their squares, which the log shows best, and the angle of their ratio.
   void two_poles() {
-    const auto filter = [](double sum, double part) { return cut_poles({part * sum, (1.0 - part) * sum}); };
-    const auto squares = [&](double sum, double part) { return squares_of(filter(sum, part), 1); };
-    double sum = 1.0, part = 0.5, least = std::numeric_limits<double>::infinity();
-    constexpr double step = 1.05;
-    const std::array parts{0.5, 0.6, 0.7, 0.8, 0.9, 0.96};
-    for (double at = 0.6; filter(at, 0.5).order <= pole_order_max_; at *= step) {
-      for (const double p : parts) {
-        if (const double found = squares(at, p); found < least) least = found, sum = at, part = p;
+    const auto filter = [](double size, double angle) {
+      return cut_poles({size * std::cos(angle), size * std::sin(angle)});
+    };
+    const auto squares = [&](double size, double angle) { return squares_of(filter(size, angle), 1); };
+    constexpr double equal = 0.25 * std::numbers::pi, least_angle = 0.05, step = 1.05, wide = 1.1;
+    constexpr int steps = 14;
+    double size = 1.0, angle = equal, least = std::numeric_limits<double>::infinity();
+    for (double at = 0.5; filter(at, equal).order <= pole_order_max_; at *= step) {
+      for (const double part : {1.0, 0.6, 0.25}) {
+        if (const double found = squares(at, part * equal); found < least)
+          least = found, size = at, angle = part * equal;
       }
     }
-    double wide = step;
-    for (int round = 0; round < 4; ++round, wide = std::sqrt(wide)) {
-      part = golden_least([&](double p) { return squares(sum, p); }, 0.5, 0.98);
-      sum = golden_least([&](double at) { return squares(at, part); }, sum / wide, sum * wide);
-    }
-    offer(SettingFamily::one_pole, filter(sum, part), 2);
-    tried_.back().fitted.time_constant = part * sum * period_;
-    tried_.back().fitted.second_constant = (1.0 - part) * sum * period_;
+    const auto best_size = [&](double of_angle) {
+      return golden_least([&](double at) { return squares(at, of_angle); }, size / wide, size * wide, steps);
+    };
+    const double narrow = std::max(least_angle, angle - 0.4 * equal), open = std::min(equal, angle + 0.4 * equal);
+    angle = golden_least([&](double at) { return squares(best_size(at), at); }, narrow, open, steps);
+    size = best_size(angle);
+    offer(SettingFamily::one_pole, filter(size, angle), 2);
+    tried_.back().fitted.time_constant = size * std::cos(angle) * period_;
+    tried_.back().fitted.second_constant = size * std::sin(angle) * period_;
     keep(1);
   }
 

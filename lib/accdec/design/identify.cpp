@@ -74,10 +74,10 @@ class Identifier {
   /// Free taps explain more by chance: of as many numbers as they have more, each about the noise's square. Several
   /// standard deviations beyond that, the family is not the log's. Nor is it where it leaves far more than the noise.
   bool fits_as_well_as_taps() const {
-    constexpr double far_more = 3.0, deviations = 6.0;
+    constexpr double far_more = 3.0, deviations = 4.0;
     const double numbers = taps_.parameters, values = static_cast<double>(window_.values());
     const double least = std::max(taps_.rms, options_.noise.value_or(0.0));
-    const double chance = (2.0 * numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
+    const double chance = (numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
     return best_rms() <= noise_more * least + rounding() && best_rms() <= far_more * noise() + rounding() &&
            all_.front().squares <= taps_squares_ + chance + values * rounding() * rounding();
   }

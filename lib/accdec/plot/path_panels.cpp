@@ -57,8 +57,11 @@ void show_blend(PathWindow& window, const CornerMotion& at, const PathPlane& pla
   const double most = *std::max_element(off.begin(), off.end());
   const double tolerance = at.task.error_max.value_or(0.0);
   // A path that hardly leaves its legs is drawn in a window of the size of the tolerance.
-  const bool leaves = most > std::max(0.1 * tolerance, no_distance);
-  const double reach = leaves ? 4.0 * most : tolerance > 0.0 ? 1.5 * tolerance : 1e-4;
+  const bool leaves = most > std::max(0.02 * tolerance, no_distance);
+  // At a sharp corner, the path turns back far from it and near to both legs.
+  const double reach = leaves            ? std::max(4.0 * most, 1.5 * at.measures.corner_error)
+                       : tolerance > 0.0 ? 1.5 * tolerance
+                                         : 1e-4;
   for (std::size_t n = 0; n < off.size(); ++n) {
     const Eigen::VectorXd s = at.motion.position.row(static_cast<Eigen::Index>(rows[n])).transpose();
     if (leaves && off[n] > 0.01 * most && s.norm() < 1.6 * reach) window.show(s.dot(plane.across), s.dot(plane.up));

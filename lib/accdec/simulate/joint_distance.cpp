@@ -79,6 +79,19 @@ ACCDEC_KERNEL void least_body(const double* const* position, std::size_t n, cons
   }
 }
 
+template <class Width, std::size_t axes>
+ACCDEC_KERNEL double path_body(const double* const* position, std::size_t n, const double* point, std::int64_t first,
+                               std::int64_t last) {
+  constexpr std::int64_t lanes = lane_count<Width>;
+  alignas(64) double d[lanes];
+  double least = unlimited;
+  for (std::int64_t k = first; k < last; k += lanes) {
+    segments_squared<Width, axes>(d, position, n, point, k);
+    for (std::int64_t l = 0; l < lanes; ++l) least = k + l < last && d[l] < least ? d[l] : least;
+  }
+  return least;
+}
+
 using Least = void (*)(const double* const*, std::size_t, const double*, const JointWindow*, std::size_t, double*);
 
 #define ACCDEC_LEAST(name, target, Width)                                                                         \
@@ -88,13 +101,28 @@ using Least = void (*)(const double* const*, std::size_t, const double*, const J
     if (n == 3) return least_body<Width, 3>(position, n, points, joints, count, squared);                         \
     return least_body<Width, 0>(position, n, points, joints, count, squared);                                     \
   }
+
+using Path = double (*)(const double* const*, std::size_t, const double*, std::int64_t, std::int64_t);
+
+#define ACCDEC_PATH(name, target, Width)                                                                    \
+  target double name(const double* const* position, std::size_t n, const double* point, std::int64_t first, \
+                     std::int64_t last) {                                                                   \
+    if (n == 2) return path_body<Width, 2>(position, n, point, first, last);                                \
+    if (n == 3) return path_body<Width, 3>(position, n, point, first, last);                                \
+    return path_body<Width, 0>(position, n, point, first, last);                                            \
+  }
 ACCDEC_LEAST(least_plain, , Two)
+ACCDEC_PATH(path_plain, , Two)
 #if defined(__x86_64__)
 ACCDEC_LEAST(least_avx2, ACCDEC_TARGET_AVX2, Four)
 ACCDEC_LEAST(least_avx512, ACCDEC_TARGET_AVX512, Eight)
+ACCDEC_PATH(path_avx2, ACCDEC_TARGET_AVX2, Four)
+ACCDEC_PATH(path_avx512, ACCDEC_TARGET_AVX512, Eight)
 const Least least = for_this_processor<Least>(least_plain, least_avx2, least_avx512);
+const Path path = for_this_processor<Path>(path_plain, path_avx2, path_avx512);
 #else
 constexpr Least least = least_plain;
+constexpr Path path = path_plain;
 #endif
 
 }  // namespace
@@ -102,6 +130,11 @@ constexpr Least least = least_plain;
 void least_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
                    std::size_t count, double* squared) {
   least(position, n, points, joints, count, squared);
+}
+
+double path_squared(const double* const* position, std::size_t n, const double* point, std::int64_t first,
+                    std::int64_t last) {
+  return path(position, n, point, first, last);
 }
 
 }  // namespace accdec

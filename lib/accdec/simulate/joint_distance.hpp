@@ -12,8 +12,8 @@ struct JointWindow {
   bool path = false;                 ///< distance from the segments between the samples instead of the samples
 };
 
-/// Samples past the end of its window that least_squared may read.
-inline constexpr std::int64_t least_margin = 16;
+/// Samples past the end of its window that least_squared and path_squared may read.
+inline constexpr std::int64_t nearest_margin = 16;
 
 /// Squares of the least distances of joints from the samples of their windows, or from the path through these.
 /// @param position  of every axis by sample number
@@ -21,5 +21,9 @@ inline constexpr std::int64_t least_margin = 16;
 /// @param points    rows of n; the joint at the end of block b is row b + 1
 void least_squared(const double* const* position, std::size_t n, const double* points, const JointWindow* joints,
                    std::size_t count, double* squared);
+
+/// Square of the least distance of a point from the path through samples first .. last, first < last.
+double path_squared(const double* const* position, std::size_t n, const double* point, std::int64_t first,
+                    std::int64_t last);
 
 }  // namespace accdec

@@ -27,7 +27,7 @@ MotionBuffer::MotionBuffer(std::span<const Filter> filters, std::size_t dimensio
     axes_[a].command.assign(size + static_cast<std::size_t>(change_window), 0.0);
     axes_[a].acceleration.assign(size + taps + static_cast<std::size_t>(change_window) + margin, 0.0);
     axes_[a].velocity.assign(size, 0.0);
-    axes_[a].position.assign(size + static_cast<std::size_t>(least_margin), 0.0);
+    axes_[a].position.assign(size + static_cast<std::size_t>(nearest_margin), 0.0);
     axes_[a].position[0] = start[a];
   }
   count_.assign(size / static_cast<std::size_t>(change_window) + 2, 0);

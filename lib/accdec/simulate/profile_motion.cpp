@@ -12,6 +12,15 @@ namespace {
 /// rounding of a position.
 constexpr double almost = 1e-5;
 
+/// m, of the points of legs first .. last.
+double largest_coordinate(const Toolpath& path, std::size_t first, std::size_t last) {
+  const std::size_t n = path.dimensions();
+  double largest = 0.0;
+  for (const double *x = path.point(first), *end = path.point(last + 1) + n; x != end; ++x)
+    largest = std::max(largest, std::abs(*x));
+  return largest;
+}
+
 }  // namespace
 
 ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, double sample_period, const Filter& last)
@@ -28,7 +37,7 @@ ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, do
       place_(2 * static_cast<std::int64_t>(first_leg)),
       raw_(start(first_leg)),
       out_(raw_),
-      smoother_(last, path.dimensions(), raw_, place_) {
+      smoother_(last, path.dimensions(), raw_, place_, largest_coordinate(path, first_leg, last_leg)) {
   while (dwell_ < path.dwell.size() && path.dwell[dwell_].first < first_leg) ++dwell_;
   if (first_leg == 0) rest_ = whole_samples(path.dwell_first / period_);
   time_ = first_sample;

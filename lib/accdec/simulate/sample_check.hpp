@@ -9,6 +9,7 @@
 #include <accdec/machine.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
+#include <accdec/simulate/sample_batch.hpp>
 
 namespace accdec {
 
@@ -20,7 +21,7 @@ bool holds(double error, double bound);
 /// Velocity, acceleration and jerk of an axis are the first three differences of its samples over T, T^2, T^3. Force,
 /// power and regeneration follow from the first two, as for every other plan. The possible rounding of such a position
 /// to a double is subtracted first. The error of a joint is the distance of the polyline through the samples from the
-/// joint, while the motion is on the legs beside it.
+/// joint, while the motion is on the legs beside it. Samples are looked at in batches.
 class SampleChecker {
  public:
   /// A limit used `ratio` > 1 times by samples that lie between two places (see ProfileMotion).
@@ -32,6 +33,8 @@ class SampleChecker {
   /// Only for legs first .. last. The first `unseen` samples, which fill filters and differences, have no limits.
   SampleChecker(const Toolpath& path, const Machine& machine, double sample_period, std::span<double> errors,
                 Broken broken, std::size_t first, std::size_t last, int unseen);
+  SampleChecker(const SampleChecker&) = delete;
+  SampleChecker& operator=(const SampleChecker&) = delete;
 
   /// The next sample after the start, m. The places say which joints it may be measured against.
   void look(const double* position, std::int64_t place_first, std::int64_t place_last);
@@ -49,9 +52,14 @@ class SampleChecker {
     std::int64_t sample = 0, place = 0;
     double dv = 0.0, da = 0.0, dj = 0.0;  ///< possible rounding of velocity, acceleration, jerk
   };
-  void look_limits(std::int64_t place_first, std::int64_t place_last);
-  void look_joints(std::int64_t place_first, std::int64_t place_last);
-  double value_of(const Worst& worst) const;
+  void look_at_batch();
+  void look_limits();
+  void look_limit(Worst& worst, std::int64_t begin);
+  template <class Value>
+  void look_values(Worst& worst, std::int64_t begin, const Value& value_of);
+  void look_joints();
+  std::int64_t first_joint(std::int64_t i) const;
+  std::int64_t last_joint(std::int64_t i) const;
   void settle();
   void take_roots();
 
@@ -62,11 +70,10 @@ class SampleChecker {
   std::span<double> errors_;
   Broken broken_;
   std::vector<Worst> worst_;
-  std::vector<double> before_, now_, velocity_, acceleration_, jerk_, largest_;
+  SampleBatch batch_;
   std::int64_t sample_ = 0;
   std::int64_t unseen_ = 0;
-  std::size_t first_ = 0, last_ = 0;    // legs
-  std::int64_t places_[3] = {0, 0, 0};  // first places of the last samples
+  std::size_t first_ = 0, last_ = 0;  // legs
 };
 
 /// Distance of a point from the segment a to b, all of n values, squared.

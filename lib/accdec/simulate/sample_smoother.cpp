@@ -1,15 +1,48 @@
+#include <algorithm>
+#include <cmath>
+
 #include <accdec/simulate/sample_smoother.hpp>
 
 namespace accdec {
 
-SampleSmoother::SampleSmoother(const Filter& filter, std::size_t dimensions, const Point& at, std::int64_t place)
+SampleSmoother::SampleSmoother(const Filter& filter, std::size_t dimensions, const Point& at, std::int64_t place,
+                               double largest)
     : filter_(filter), taps_(filter.order() + 1), n_(dimensions) {
   for (const double tap : filter.taps()) equal_ = equal_ && tap == filter.tap(0);
   if (taps_ == 1) return;
-  ring_.resize(static_cast<std::size_t>(taps_) * n_);
+  constexpr int bits = 61;  // of the largest sum
+  int exponent = 0;
+  std::frexp(largest * taps_, &exponent);
+  unit_ = std::ldexp(1.0, exponent - bits);
+  per_unit_ = 1.0 / unit_;
+  share_ = unit_ / taps_;
   places_.assign(static_cast<std::size_t>(taps_), place);
-  for (std::size_t i = 0; i < ring_.size(); ++i) ring_[i] = at[i % n_];
-  for (std::size_t a = 0; a < n_; ++a) sum_[a] = static_cast<long double>(at[a]) * taps_;
+  ring_.resize(static_cast<std::size_t>(taps_) * n_);
+  for (std::size_t i = 0; i < ring_.size(); ++i) ring_[i] = units(at[i % n_]);
+  for (std::size_t a = 0; a < n_; ++a)
+    sum_[a] = static_cast<std::uint64_t>(ring_[a]) * static_cast<std::uint64_t>(taps_);
+}
+
+/// A motion that leaves its path, which only a forged result has, gets positions that break its limits.
+std::int64_t SampleSmoother::units(double x) const {
+  constexpr double most = 4e18;
+  return static_cast<std::int64_t>(std::clamp(x * per_unit_, -most, most));
+}
+
+/// @tparam axes  their number; 0: n_
+template <std::size_t axes>
+void SampleSmoother::take(const Point& raw, std::int64_t* row, Point& out) {
+  const auto taps = static_cast<std::uint64_t>(taps_);
+  const double unit = unit_, share = share_;
+  for (std::size_t a = 0; a < (axes > 0 ? axes : n_); ++a) {
+    const std::int64_t at = units(raw[a]);
+    const auto moved = static_cast<std::uint64_t>(at);
+    sum_[a] += moved - static_cast<std::uint64_t>(row[a]);
+    row[a] = at;
+    // The newest sample and the mean distance of all from it; this rounds less than a mean of positions.
+    const auto beside = static_cast<std::int64_t>(sum_[a] - moved * taps);
+    out[a] = static_cast<double>(at) * unit + static_cast<double>(beside) * share;
+  }
 }
 
 void SampleSmoother::next(const Point& raw, std::int64_t place, Point& out) {
@@ -17,41 +50,29 @@ void SampleSmoother::next(const Point& raw, std::int64_t place, Point& out) {
     out = raw;
     return;
   }
-  double* row = ring_.data() + slot_ * n_;
-  for (std::size_t a = 0; a < n_; ++a) {
-    if (equal_) sum_[a] += static_cast<long double>(raw[a]) - static_cast<long double>(row[a]);
-    row[a] = raw[a];
+  std::int64_t* const row = ring_.data() + slot_ * n_;
+  switch (n_) {
+    case 2: take<2>(raw, row, out); break;
+    case 3: take<3>(raw, row, out); break;
+    default: take<0>(raw, row, out);
   }
   places_[slot_] = place;
   const std::size_t newest = slot_;
   slot_ = slot_ + 1 == static_cast<std::size_t>(taps_) ? 0 : slot_ + 1;
-  if (equal_)
-    average(out);
-  else
-    convolve(raw, newest, out);
+  if (!equal_) convolve(raw, newest, out);
 }
 
-void SampleSmoother::average(Point& out) {
-  if (slot_ == 0) {
-    // Summed again once per round, so that rounding does not add up.
-    for (std::size_t a = 0; a < n_; ++a) {
-      sum_[a] = 0.0L;
-      for (std::size_t i = a; i < ring_.size(); i += n_) sum_[a] += static_cast<long double>(ring_[i]);
-    }
-  }
-  for (std::size_t a = 0; a < n_; ++a) out[a] = static_cast<double>(sum_[a] / taps_);
-}
-
-/// The newest sample and the distances of the others from it; this rounds less than a sum of positions.
+/// As for equal taps, by the distances from the newest sample.
 void SampleSmoother::convolve(const Point& raw, std::size_t newest, Point& out) const {
   const std::size_t count = static_cast<std::size_t>(taps_);
+  const std::int64_t* const now = ring_.data() + newest * n_;
   Point sum{};
   const double* tap = filter_.taps().data();
   for (std::size_t i = 0, at = newest; i < count; ++i, at = at == 0 ? count - 1 : at - 1) {
     if (tap[i] == 0.0) continue;
-    for (std::size_t a = 0; a < n_; ++a) sum[a] += tap[i] * (ring_[at * n_ + a] - raw[a]);
+    for (std::size_t a = 0; a < n_; ++a) sum[a] += tap[i] * static_cast<double>(ring_[at * n_ + a] - now[a]);
   }
-  for (std::size_t a = 0; a < n_; ++a) out[a] = raw[a] + sum[a];
+  for (std::size_t a = 0; a < n_; ++a) out[a] = raw[a] + sum[a] * unit_;
 }
 
 }  // namespace accdec

@@ -10,11 +10,14 @@
 namespace accdec {
 
 /// A filter over the positions of a motion, sample by sample, that knows where on the path its oldest sample lies.
+///
+/// Positions are kept as whole numbers of a unit so small that sums over the filter are exact in 64 bits. It is about
+/// 2^-61 of the largest coordinate times the number of taps, so an average is rounded no more than a double is.
 class SampleSmoother {
  public:
   using Point = std::array<double, program_axis_count>;
-  /// At rest at a point. @param filter  the reference is kept
-  SampleSmoother(const Filter& filter, std::size_t dimensions, const Point& at, std::int64_t place);
+  /// At rest at a point. @param filter  the reference is kept  @param largest  m, no coordinate is larger
+  SampleSmoother(const Filter& filter, std::size_t dimensions, const Point& at, std::int64_t place, double largest);
   int taps() const { return taps_; }
   /// Takes a sample in and gives the filtered one.
   void next(const Point& raw, std::int64_t place, Point& out);
@@ -22,17 +25,21 @@ class SampleSmoother {
   std::int64_t oldest_place(std::int64_t newest) const { return taps_ == 1 ? newest : places_[slot_]; }
 
  private:
-  void average(Point& out);
+  std::int64_t units(double x) const;
+  template <std::size_t axes>
+  void take(const Point& raw, std::int64_t* row, Point& out);
   void convolve(const Point& raw, std::size_t newest, Point& out) const;
 
   const Filter& filter_;
   const int taps_;
   bool equal_ = true;  // taps
   const std::size_t n_;
-  std::vector<double> ring_;  // taps rows
+  double unit_ = 0.0, per_unit_ = 0.0;  // m and 1/m, powers of two
+  double share_ = 0.0;                  // m: a unit over the number of taps
+  std::vector<std::int64_t> ring_;      // taps rows, in units
   std::vector<std::int64_t> places_;
   std::size_t slot_ = 0;
-  std::array<long double, program_axis_count> sum_{};
+  std::array<std::uint64_t, program_axis_count> sum_{};  // signed sums, which may wrap
 };
 
 }  // namespace accdec

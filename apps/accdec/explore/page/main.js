@@ -20,6 +20,8 @@ const textOf = (task) => JSON.stringify(task);
 const settled = () => page.design?.of === textOf(state.task);
 const found = (answer) => (answer?.result.filter ? answer : null);
 
+// First of all: the program ends once no page tells that it is open.
+stayAlive((gone) => document.body.classList.toggle("gone", gone));
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
 shared.pageText = () => pageText(shared);
@@ -207,7 +209,7 @@ function drawNow() {
   drawPath(
     $("#path .draw"),
     { view, corner: result.corners[i], tolerance },
-    old ? { view: old, tolerance: null } : null,
+    old ? { view: old } : null,
   );
   const ends = ({ result }) => {
     const { delay_samples, settling_time_s = 0 } = result.corners[i];
@@ -275,5 +277,4 @@ function drawFamilies() {
 
 tools(shared, draw);
 chosen();
-stayAlive((gone) => document.body.classList.toggle("gone", gone));
 changed(false);

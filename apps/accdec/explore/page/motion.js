@@ -22,11 +22,10 @@ export function blendOnly(view) {
  * @param period  ms
  */
 export function distances({ time_ms, path }, period) {
-  const zeroed = (x) => (x < 1e-6 ? 0 : x);
-  const samples = path.off_um.map((x, i) => [Math.round(time_ms[i] / period) * period, zeroed(x)]);
+  const samples = path.off_um.map((x, i) => [Math.round(time_ms[i] / period) * period, x]);
   const between = path.between.filter(([t]) => t > samples[0][0] && t < samples.at(-1)[0]);
   const points = [...samples, ...between].sort((a, b) => a[0] - b[0]);
-  return { time: points.map(([t]) => t), values: points.map(([, x]) => x) };
+  return { time: points.map(([t]) => t), values: points.map(([, x]) => (x < 1e-6 ? 0 : x)) };
 }
 
 /** Power has a bound of its own for driving, above zero, and for braking, below. */

@@ -13,28 +13,28 @@ function blendOf(path) {
   return most > 0 ? [Math.max(0, first - 1), Math.min(path.off_um.length - 1, last + 1)] : null;
 }
 
-function extent(view, tolerance, reach) {
-  const box = [Infinity, -Infinity, Infinity, -Infinity];
+/** The blend, as far as its distance from the legs can be seen, with the beginning of both legs. */
+function extent(view, tolerance) {
+  const box = [0, 0, 0, 0];
   const take = (x, y) => {
     (box[0] = Math.min(box[0], x)), (box[1] = Math.max(box[1], x));
     (box[2] = Math.min(box[2], y)), (box[3] = Math.max(box[3], y));
   };
-  take(0, 0);
-  if (tolerance) take(-tolerance, -tolerance), take(tolerance, tolerance);
-  const blend = blendOf(view.path);
-  // Parts of the path far from the corner, compared with the error, show nothing.
-  const near = Math.max(4 * Math.max(...view.path.off_um), 2 * (tolerance ?? 0), 1);
-  if (blend) {
-    for (let i = blend[0]; i <= blend[1]; ++i) {
-      const x = view.path.x_um[i],
-        y = view.path.y_um[i];
-      if (Math.hypot(x, y) <= near * reach) take(x, y);
-    }
+  const most = Math.max(...view.path.off_um);
+  const leaves = most > Math.max(0.02 * (tolerance ?? 0), 1e-6);
+  const error = Math.min(...view.path.x_um.map((x, i) => Math.hypot(x, view.path.y_um[i])));
+  // At a sharp corner, the path turns back far from it and near to both legs.
+  const near = leaves ? Math.max(4 * most, 1.5 * error) : (1.5 * tolerance || 100);
+  const blend = leaves ? blendOf(view.path) : null;
+  for (let i = blend?.[0] ?? 1; i <= (blend?.[1] ?? 0); ++i) {
+    const x = view.path.x_um[i],
+      y = view.path.y_um[i];
+    if (Math.hypot(x, y) <= 1.6 * near) take(x, y);
   }
-  for (const [x, y] of [view.path.in.map((u) => -u), view.path.out])
-    take(x * near * 0.6 * reach, y * near * 0.6 * reach);
-  const margin = 0.06 * Math.max(box[1] - box[0], box[3] - box[2], 1e-6);
-  return [box[0] - margin, box[1] + margin, box[2] - margin, box[3] + margin];
+  for (const [x, y] of [view.path.in.map((u) => -u), view.path.out]) take(x * near, y * near);
+  const size = Math.max(box[1] - box[0], box[3] - box[2]);
+  const [across, up] = [box[1] - box[0], box[3] - box[2]].map((span) => 0.06 * Math.max(span, 1e-3 * size));
+  return [box[0] - across, box[1] + across, box[2] - up, box[3] + up];
 }
 
 const nice = (span) => {
@@ -124,11 +124,10 @@ function emptiest(points, legs) {
 /**
  * @param place   element to draw in
  * @param now     {view, corner, tolerance}: of the design; corner is its entry in the result, tolerance in um or null
- * @param before  the same of what it is compared with, or null
+ * @param before  {view} of what it is compared with, or null
  */
 export function drawPath(place, now, before) {
-  const reach = 1.6;
-  const boxes = [now, before].filter(Boolean).map((one) => extent(one.view, one.tolerance, reach));
+  const boxes = [now, before].filter(Boolean).map((one) => extent(one.view, now.tolerance));
   const box = boxes.reduce((a, b) => [
     Math.min(a[0], b[0]),
     Math.max(a[1], b[1]),

@@ -9,6 +9,8 @@ import { Shades } from "./shades.js";
 import { Shown } from "./shown.js";
 import { taskAddress } from "./state.js";
 
+// First of all: the program ends once no page tells that it is open.
+stayAlive((gone) => document.body.classList.toggle("gone", gone));
 const start = await begin();
 const { program } = start;
 const shown = { plan: 0, mark: -1, limits: false };
@@ -270,5 +272,4 @@ show(state.now);
 cornerList();
 document.title = `accdec explore: ${program.name}`;
 globalThis.accdecProgram = { program, scene, charts, shown, state, addressOf, shades, pageText };
-stayAlive((gone) => document.body.classList.toggle("gone", gone));
 document.body.classList.add("ready");

@@ -36,7 +36,9 @@ export class Shades {
     // The knee: up to this speed the scale has `share` of its length.
     [this.knee, this.share] = this.most > 1.3 * cutting ? [cutting, 0.75] : [this.most, 1];
   }
+  /** Place on the scale, from 0 to 1. */
   at(speed) {
+    if (speed >= this.most) return 1;
     return speed <= this.knee
       ? (this.share * speed) / this.knee
       : this.share + ((1 - this.share) * (speed - this.knee)) / (this.most - this.knee);

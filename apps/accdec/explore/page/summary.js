@@ -20,7 +20,7 @@ function badge(answer) {
     return [
       "verified",
       result.lower_bound_s
-        ? `Not below ${ms(result.lower_bound_s)} ms; the search goes on.`
+        ? `Proved so far: none is shorter than ${ms(result.lower_bound_s)} ms.`
         : "Verified by simulation.",
     ];
   return [result.status, result.message];
@@ -33,8 +33,11 @@ export function summary(page) {
   $("#badge").title = why;
   const result = page.design?.result;
   if (!result?.filter) {
-    $("#sentence").textContent = result ? "No filter holds these limits." : "No design.";
-    $("#today").textContent = result ? "\u201cFind out\u201d below says how much each limit has to give." : "";
+    const none = result?.status === "infeasible";
+    $("#sentence").textContent = none ? "No filter holds these limits." : "No design so far.";
+    $("#today").textContent = none
+      ? "\u201cFind out\u201d below says how much each limit has to give."
+      : (result?.message ?? "");
     return;
   }
   const task = JSON.parse(page.design.of);
@@ -58,7 +61,7 @@ export function summary(page) {
     const retuned = best.find((f) => f.name === page.families.own_family);
     parts.push(
       `Today: ${ms(objective(own))} ms; `,
-      make("b", { id: "saved", "data-value": saved }, `${ms(saved)} ms less`),
+      make("b", { id: "saved", "data-value": saved }, saved < 0 ? `${ms(-saved)} ms more` : `${ms(saved)} ms less`),
       retuned ? ` (${ms(objective(own) - retuned.objective_s)} by setting today\u2019s filter otherwise)` : "",
       ".",
     );

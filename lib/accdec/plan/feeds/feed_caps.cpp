@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include <accdec/motion/leg_distance.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/feed_caps.hpp>
 #include <accdec/task/corner_feed.hpp>
@@ -93,6 +94,21 @@ CornerFeed FeedCaps::without_delay(std::size_t b, double cosine, double toleranc
   return at(good);
 }
 
+double FeedCaps::error_in_steps(double cosine) const {
+  const auto distance = [&](int k) {
+    return leg_distance(motion_.remaining_moment(k), motion_.elapsed_moment(k), cosine);
+  };
+  int k = static_cast<int>(motion_.mean_delay());
+  double least = distance(k);
+  // The path is convex, so the distance falls, then rises.
+  for (const int step : {1, -1}) {
+    for (double next; k + step >= 0 && k + step <= motion_.order() + 1 && (next = distance(k + step)) < least;
+         k += step)
+      least = next;
+  }
+  return least;
+}
+
 double FeedCaps::ramp_time(std::size_t b, double v) const {
   const double a = acceleration_[b];
   const double top = std::min(feed(b), std::sqrt(v * v + a * feeds_.length[b]));
@@ -128,18 +144,25 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   }
   if (stops || !(tolerance > 0.0)) return best;
   const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
+  /// False if all lower speeds take longer, too: ramps grow as the speed falls.
   const auto offer = [&](double v) {
+    const double ramps = ramp_time(b, v) + ramp_time(b + 1, v);
+    if (ramps >= least) return false;
     const int delay = delay_at(v);
-    if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9) || (slow_only && delay > 0)) return;
-    if (stepped && delay == 0) return;
-    const double time = delay * period_ + ramp_time(b, v) + ramp_time(b + 1, v);
-    if (time >= least) return;
+    if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9) || (slow_only && delay > 0)) return true;
+    if (stepped && delay == 0) return true;
+    const double time = delay * period_ + ramps;
+    if (time >= least) return true;
     least = time;
     best = {v, v, delay};
+    return true;
   };
-  // The largest speed without delay: the error at the samples grows with the speed.
+  // The largest speed without delay. The error at the samples is in proportion to it.
   double low = 0.0, high = no_delay;
-  if (delay_at(high) == 0) {
+  if (path_.control.any() || path_.control.names(DelayKind::continuous)) {
+    constexpr double rounding = 1.0 - 1e-12;
+    low = std::min(high, rounding * tolerance / (error_in_steps(cosine) * period_));
+  } else if (delay_at(high) == 0) {
     low = high;
   } else {
     for (int k = 0; k < 12; ++k) {
@@ -148,7 +171,8 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
     }
   }
   if (low > slowest * feed_max) offer(low);
-  for (double v = overlap; v > low && v > slowest * feed_max; v *= 0.85) offer(v);
+  for (double v = overlap; v > low && v > slowest * feed_max && offer(v); v *= 0.85) {
+  }
   return best;
 }
 

@@ -47,6 +47,8 @@ class FeedCaps {
   /// Whether the corner at the end of block b, by itself, holds tolerance and limits without a delay.
   bool passes(std::size_t b, const CornerFeed& corner, double cosine, double tolerance) const;
   CornerFeed without_delay(std::size_t b, double cosine, double tolerance) const;
+  /// Error of a corner without a delay over a sample's length, which is the same on both legs.
+  double error_in_steps(double cosine) const;
   double ramp_time(std::size_t b, double v) const;
   double steady_error(std::size_t b, double v) const;
   double steady_change(std::size_t b, double v) const;

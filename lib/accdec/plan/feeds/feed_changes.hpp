@@ -63,9 +63,11 @@ struct FeedSegment {
 struct FeedVerdict {
   double use = 0.0;       ///< largest part of what is allowed
   double try_next = 0.0;  ///< a lower speed that may do; 0: unknown
+  bool full = false;      ///< a higher speed would use more than is allowed
 };
 
-inline constexpr double sum_slack = 1e-6;  // relative; sums of times and lengths differ by rounding
+inline constexpr double sum_slack = 1e-6;     // relative; sums of times and lengths differ by rounding
+inline constexpr double full_change = 0.999;  // of what is allowed: no more is worth a search
 
 /// Judges changes of the velocity inside one window by its limits.
 template <std::size_t axes>
@@ -116,7 +118,9 @@ class ChangeJudge {
   void judge(double now, double change, double allowed, double speed, double v, FeedVerdict& verdict) const {
     const double size = std::abs(change);
     if (size > allowed * verdict.use) verdict.use = allowed > 0.0 ? size / allowed : 1e30;
-    if (size <= allowed * (1.0 + sum_slack) || speed != v || now == 0.0) return;
+    if (size <= allowed * full_change || speed != v || now == 0.0) return;
+    verdict.full = verdict.full || change * now > 0.0;
+    if (size <= allowed * (1.0 + sum_slack)) return;
     // change = now - old; by how much now, in proportion to v, has to shrink
     const double excess = (size - allowed) * (change * now > 0.0 ? 1.0 : -1.0);
     const double lower = v * (1.0 - excess / std::abs(now));

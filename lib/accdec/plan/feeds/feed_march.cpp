@@ -98,7 +98,8 @@ class March {
   }
 
   /// How speed v from here on uses the limits within `ahead` seconds.
-  FeedVerdict check(std::size_t i, double left, double v, double ahead) {
+  /// @param to_the_end  else it ends where more is used than allowed
+  FeedVerdict check(std::size_t i, double left, double v, double ahead, bool to_the_end) {
     FeedVerdict verdict;
     const std::size_t size = line_.size();
     const double horizon = now_ + ahead;
@@ -121,7 +122,8 @@ class March {
       }
       t = std::max(t, end);
     };
-    for (; i < path_.pieces() && t < horizon - eps_time; ++i) {
+    const auto ends = [&] { return t >= horizon - eps_time || (!to_the_end && verdict.use > good); };
+    for (; i < path_.pieces() && !ends(); ++i) {
       const FeedPiece& cap = path_.piece(i);
       const double speed = std::min(v, cap.speed);
       line_.push_back({t + left / speed, speed, path_.margin(cap.block), path_.velocity(cap.block, speed)});
@@ -132,7 +134,7 @@ class March {
       }
       if (i + 1 < path_.pieces()) left = path_.piece(i + 1).length;
     }
-    if (t < horizon - eps_time) {
+    if (!ends()) {
       line_.push_back({horizon, 0.0, 1.0F, {}});
       follow(horizon);
     }
@@ -144,14 +146,14 @@ class March {
   double decide(std::size_t i, double left, double cap) {
     const bool same = std::abs(cap - sure_speed_) <= 1e-9 * cap;  // speeds differ by rounding
     if (same && now_ + reach_ <= sure_until_) return cap;
-    const FeedVerdict verdict = check(i, left, cap, reach_);
+    const FeedVerdict verdict = check(i, left, cap, reach_, true);
     if (verdict.use > good) {
       sure_until_ = 0.0;
       return lowered(i, left, cap, verdict);
     }
     if (now_ >= look_far_) {
       const double far = 6.0 * reach_;
-      const bool well = check(i, left, cap, far).use <= good;
+      const bool well = check(i, left, cap, far, false).use <= good;
       if (well) sure_speed_ = cap, sure_until_ = now_ + far;
       look_far_ = well ? sure_until_ - reach_ : now_ + reach_;
     }
@@ -179,7 +181,7 @@ class March {
       } else {
         v = std::min(lower, v * (1.0 - 0.01 * least_rise));
       }
-      verdict = check(i, left, v, reach_);
+      verdict = check(i, left, v, reach_, true);
       if (verdict.use <= good) {
         fine = v;
       } else {
@@ -188,9 +190,9 @@ class March {
       }
     }
     if (fine == 0.0) return best;
-    for (int k = 0; k < 5 && bad > fine * (1.0 + least_rise); ++k) {
+    for (int k = 0; k < 5 && !verdict.full && bad > fine * (1.0 + least_rise); ++k) {
       v = 0.5 * (fine + bad);
-      (check(i, left, v, reach_).use <= good ? fine : bad) = v;
+      (check(i, left, v, reach_, false).use <= good ? fine : bad) = v;
     }
     return fine;
   }

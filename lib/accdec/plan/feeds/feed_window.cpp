@@ -73,9 +73,8 @@ bool FeedWindow::driven(const Axis& axis, double velocity, double before, bool m
   return reverses || (std::abs(velocity) > std::abs(before)) != mirrored;
 }
 
-double FeedWindow::change(std::size_t axis, double velocity, double before, bool mirrored) const {
+double FeedWindow::loaded_change(std::size_t axis, double velocity, double before, bool mirrored) const {
   const AxisWindow& window = axes_[axis];
-  if (!window.loaded) return window.change;
   const Axis& limits = machine_[axis];
   const double v = std::max(std::abs(velocity), std::abs(before)), friction = limits.damping * v + limits.coulomb;
   double force = v > window.fastest ? -1.0 : limits.force_max;

@@ -47,7 +47,9 @@ class FeedWindow {
   double acceleration_change(std::size_t axis) const { return axes_[axis].change; }
   double jerk_change(std::size_t axis) const { return axes_[axis].jerk; }
   /// Largest |V - before| over tau1, m/s. @param mirrored  time runs backwards: braking is speeding up
-  double change(std::size_t axis, double velocity, double before, bool mirrored) const;
+  double change(std::size_t axis, double velocity, double before, bool mirrored) const {
+    return axes_[axis].loaded ? loaded_change(axis, velocity, before, mirrored) : axes_[axis].change;
+  }
   /// Part of the shared supply that a change of all axes over tau1 uses. @param velocities, before  m/s, one an axis
   double supply_use(std::span<const double> velocities, std::span<const double> before, bool mirrored) const;
 
@@ -60,6 +62,7 @@ class FeedWindow {
   };
   /// Whether the axis is driven in the change, so that friction needs force; else it helps to brake.
   static bool driven(const Axis& axis, double velocity, double before, bool mirrored);
+  double loaded_change(std::size_t axis, double velocity, double before, bool mirrored) const;
   double tau1_ = 0.0, tau2_ = 0.0, half_ = 0.0;
   bool limited_ = false, loads_ = false, supply_ = false;
   double power_total_ = unlimited, regeneration_total_ = unlimited;  // W

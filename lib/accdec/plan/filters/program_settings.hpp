@@ -13,6 +13,9 @@ std::string program_settings_answer(const ProgramSettings& settings, double time
 /// The title of a task's control that takes free taps, for ProgramResult::taps_control; empty for others.
 std::string control_of_taps(const Task& task);
 
+/// The answer for a control that takes the taps of plan fixed. @param result  its delays and time
+std::string program_taps_answer(const ProgramResult& result);
+
 /// The answer of a program's result, a line: settings, or the taps that a control takes. Empty for a plan that does not
 /// hold, and for tasks that name no control.
 std::string program_answer(const ProgramResult& result);

@@ -258,15 +258,17 @@ std::string control_of_taps(const Task& task) {
   return task.settings && !task.settings->names_family() ? task.settings->controller : "";
 }
 
+std::string program_taps_answer(const ProgramResult& result) {
+  return fmt::format(
+      "Set these: the {} taps that `accdec export` writes from the result; {} delay{} as `--emit` writes them. {:.6g} s "
+      "for this program, not proved best.\n",
+      result.plan.set().order() + 1, result.delayed, result.delayed == 1 ? "" : "s", result.cycle_time);
+}
+
 std::string program_answer(const ProgramResult& result) {
   if (!result.verification.feasible) return "";
   if (result.settings) return program_settings_answer(*result.settings, result.cycle_time, result.has_today);
-  const FilteredCommand* command = result.plan.command();
-  if (result.taps_control.empty() || command == nullptr) return "";
-  return fmt::format(
-      "Set these: the {} taps that `accdec export` writes from the result; {} delays as `--emit` writes them. {:.6g} s "
-      "for this program, not proved best.\n",
-      result.plan.set().order() + 1, result.delayed, result.cycle_time);
+  return result.taps_control.empty() || result.plan.command() == nullptr ? "" : program_taps_answer(result);
 }
 
 }  // namespace accdec

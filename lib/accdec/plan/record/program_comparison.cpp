@@ -7,6 +7,7 @@
 
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
 #include <accdec/plan/record/program_versions.hpp>
 #include <accdec/plan/result/samples.hpp>
@@ -295,6 +296,8 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   recorded.erase("inputs");
   recorded.erase("commands");
   recorded.erase("settings");
+  const Json answer = recorded.contains("answer") ? recorded["answer"] : Json();  // older results have none
+  recorded.erase("answer");
   const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
   Comparison comparison(recorded, again, skip, found, record.schema);
   comparison.compare("", recorded, again);
@@ -306,6 +309,9 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   const int order_max = record.task.design.order_max + Response(record.task.machine, found.sample_period).order();
   if (whole) comparison.check_other_rules(recorded, again, found, order_max);
   ProgramDifferences differences = comparison.take();
+  const bool taps = !record.result.taps_control.empty() && found.plan.command() != nullptr;
+  if (!answer.is_null() && (!taps || answer != program_taps_answer(found)))
+    differences.reasons.emplace_back("answer is not what the other members say");
   // The motion has no use for them: steady ramps need no feed, and at rest no corner is stretched.
   const Trajectory* trajectory = record.result.plan.trajectory();
   if (whole && trajectory != nullptr && !trajectory->is_free() && !trajectory->chain.speed.empty()) {

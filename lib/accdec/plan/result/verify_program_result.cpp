@@ -187,9 +187,11 @@ class CommandCheck {
     const LimitUse& recorded = limits[i];
     if (recorded.bound != use.bound())
       wrong(fmt::format("{}: bound is recorded as {:.9g}, the task's is {:.9g}", name, recorded.bound, use.bound()));
-    if (!close(recorded.value, found.value, rounding * use.bound()))
+    // The planner looks for the largest distance down to the precision of positions.
+    const double floor = rounding + (use.kind() == LimitKind::contour ? position_floor / use.bound() : 0.0);
+    if (!close(recorded.value, found.value, floor * use.bound()))
       wrong(fmt::format("{}: value is recorded as {:.9g}, found {:.9g}", name, recorded.value, found.value));
-    if (!close(recorded.utilisation, found.use, rounding))
+    if (!close(recorded.utilisation, found.use, floor))
       wrong(fmt::format("{}: utilisation is recorded as {:.9g}, found {:.9g}", name, recorded.utilisation, found.use));
     if (!use.is_worst(recorded.sample, found))
       wrong(fmt::format("{}: is not used most at sample {}", name, recorded.sample));
