@@ -99,6 +99,21 @@ TEST(ExactBound, OfManyTapsNeedsNoLinearProgram) {
   EXPECT_TRUE(report.accepted) << report.reason;
 }
 
+// With several corners the taps alone count: 667 of them in one run, whatever the delays.
+TEST(ExactBound, OfManyTapsAndCornersIsThatOfTheTaps) {
+  Axis axis;
+  axis.acceleration_max = 1.5;
+  Task task = plane_task(axis, plane_corner("A", 90, 0, 0.1, 0.1), 100e-6);
+  task.corners.push_back(task.corners.front());
+  task.corners.back().name = "B", task.corners.back().error_max = 60e-6;
+  task.sample_period = 0.1e-3, task.design.order_max = 2000;
+  const DesignResult result = stopped_at(task, 0.0);
+  ASSERT_EQ(result.stop, StopReason::interrupted);
+  EXPECT_GE(result.lower_bound.value_or(0.0), 666 * task.sample_period);
+  const CheckReport report = check_certificate(task, result);
+  EXPECT_TRUE(report.accepted) << report.reason;
+}
+
 // Each corner by itself, its delay as dear as may be: the least delay at any order.
 TEST(ExactBound, ManyCornersTakeAtLeastWhatEachTakesByItself) {
   const Task task = random_corners(12);

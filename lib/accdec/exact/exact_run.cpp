@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -67,11 +69,10 @@ bool ExactRun::stopped() const {
 /// A bound without linear programs comes first if these are long.
 void ExactRun::quick_bound() {
   constexpr int many_taps = 300;
-  const TaskCorner& corner = task_.corners.front();
-  if (done_.quick || kind_.several || corner.delay || !corner.error_max || !(*corner.error_max > 0.0)) return;
-  done_.quick = true;
+  if (std::exchange(done_.quick, true)) return;
   if (1.0 / bench_.model().rows.tap_max() < many_taps) return;
-  const double longest = cost_of(task_)(task_.design.order_max, {task_.design.order_max});
+  const std::vector<int> delays(task_.corners.size(), task_.design.order_max);
+  const double longest = cost_of(task_)(task_.design.order_max, delays);
   auto proof = exact::QuickBound(bench_).prove(bench_.designs.best ? bench_.designs.best->value : longest);
   if (!proof) return;
   targets_.proved(proof->target);
@@ -169,7 +170,8 @@ void ExactRun::together() {
   }
   // The reported bound is the one the certificate proves.
   targets_.set_low(at_least);
-  if (auto proof = joint_->proof()) search_.proof = std::move(*proof), targets_.proved(search_.proof.target);
+  if (auto proof = joint_->proof(); proof && proof->target >= search_.proof.target)
+    search_.proof = std::move(*proof), targets_.proved(search_.proof.target);
   done_.proved = targets_.low() >= targets_.high();
 }
 

@@ -6,9 +6,9 @@
 
 namespace accdec::exact {
 
-/// A bound for one corner without linear programs, which take seconds each at thousands of taps. Two facts give it.
-/// Taps are bounded, so that the filter has at least so many of them. And over all filters with such taps, one row of
-/// the corner error refutes a range of samples at delays that are too short.
+/// A bound without linear programs, which take seconds each at thousands of taps. Two facts give it. Taps are bounded,
+/// so that the filter has at least so many of them. And over all filters with such taps, one row of the error of a
+/// single corner refutes a range of samples at delays that are too short.
 class QuickBound {
  public:
   /// References are kept.
