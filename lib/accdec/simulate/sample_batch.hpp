@@ -63,7 +63,7 @@ class SampleBatch {
     count_ = 0;
   }
 
-  /// Of every axis, by sample; m. More samples may be read, as path_squared does.
+  /// Rows of the axes by sample, m. As many more values as path_squared may read are readable.
   const double* const* positions() const { return rows_.data(); }
   const double* velocity(std::size_t axis) const { return velocities_.data() + axis * row; }
   const double* acceleration(std::size_t axis) const { return accelerations_.data() + axis * row; }
