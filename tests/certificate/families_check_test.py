@@ -100,6 +100,7 @@ EVERY_KIND = {
     "a shared supply": {"controller": "[machine]\npower_total_max_W = 9\nregeneration_total_max_W = 12",
                         "family": AVERAGES, "axis": "mass_kg = 30\npower_max_W = 8\ncoulomb_N = 5"},
     "a contour": {"family": AVERAGES, "corner": "contour_max_um = 20"},
+    "a smallest speed": {"family": AVERAGES, "corner": "speed_min_mm_s = 20"},
     "a curve": {"family": AVERAGES, "axis": "mass_kg = 30\nforce_speed_N = [[0, 200], [60, 180], [200, 40]]"},
     "a given filter": {"controller": GIVEN + "[machine]\npower_total_max_W = 12", "family": "order_max = 100",
                        "axis": "mass_kg = 10\nservo_gain_1_s = 80"},

@@ -61,10 +61,10 @@ def breaks_at_a_part(member, j, part):
 
 
 def breaks_on_its_way(member, corner, delay):
-    if strays(member, corner, delay):
-        return True
+    if corner.speed_min <= 0:
+        return strays(member, corner, delay)
     speeds = [abs(along(member.moved, *legs, delay)) for legs in zip(corner.speed_in, corner.speed_out)]
-    return corner.speed_min > 0 and exact(corner.speed_min**2) > sum(v * v for v in speeds)
+    return exact(corner.speed_min**2) > sum(v * v for v in speeds) or strays(member, corner, delay)
 
 
 def strays(member, corner, delay):
