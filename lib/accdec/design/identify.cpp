@@ -8,6 +8,7 @@
 #include <accdec/design/fit_window.hpp>
 #include <accdec/design/fitted_families.hpp>
 #include <accdec/design/identify.hpp>
+#include <accdec/families/poles.hpp>
 
 namespace accdec {
 namespace {
@@ -79,7 +80,13 @@ class Identifier {
     const double least = std::max(taps_.rms, options_.noise.value_or(0.0));
     const double chance = (numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
     return best_rms() <= noise_more * least + rounding() && best_rms() <= far_more * noise() + rounding() &&
-           all_.front().squares <= taps_squares_ + chance + values * rounding() * rounding();
+           all_.front().squares <= taps_squares_ + chance + values * (rounding() * rounding() + cut_off() * cut_off());
+  }
+  /// m: the way that an endless pole has left where its family cuts it off, and a log does not.
+  double cut_off() const {
+    const FittedFilter& best = all_.front().fitted;
+    if (best.family != SettingFamily::one_pole) return 0.0;
+    return pole_rest * (best.time_constant + best.second_constant) / task_.sample_period * command_.step;
   }
   double least_squares() const {
     const double least = noise_least * noise_least * static_cast<double>(window_.values());
