@@ -70,7 +70,7 @@ class Anytime {
     if (!has_bound() && !(convex && task_.machine.modes.empty())) bound_of_part(easier_part(task_), 0.1);
     // A very quiet filter is usually found only by a window made for it, and then at once.
     if (!exact_->has_design()) shapes(0.1);
-    // What a control's own filters reach, free taps reach as well.
+    // Free taps reach all that a control's own filters reach.
     families(0.2);
     const double share = several ? 0.35 : 0.2;
     const bool dense = several && task_.design.order_min <= dense_order_max;

@@ -260,9 +260,8 @@ std::string control_of_taps(const Task& task) {
 
 std::string program_taps_answer(const ProgramResult& result) {
   return fmt::format(
-      "Set these: the {} taps that `accdec export` writes from the result; {} delay{} as `--emit` writes them. {:.6g} "
-      "s "
-      "for this program, not proved best.\n",
+      "Set these: the {} taps that `accdec export` writes from the result; {} delay{} as `--emit` writes them. "
+      "{:.6g} s for this program, not proved best.\n",
       result.plan.set().order() + 1, result.delayed, result.delayed == 1 ? "" : "s", result.cycle_time);
 }
 
