@@ -27,7 +27,7 @@ void run(Options& options, Context& context) {
                                       shell_quoted(options.write.out), options.write.format,
                                       options.without_optima ? " --without-optima" : "");
   options.write.version = ACCDEC_VERSION;
-  options.write.tell = [&](const std::string& name) { status.tell(name); };
+  options.write.tell = [&](const std::string& name) { status.tell(fmt::format("problem \"{}\"", name)); };
   const comparison::InstanceSummary s = comparison::write_instances(suite, options.write);
   if (context.quiet) return;
   fmt::print("{} instances written to {}, {} problems left out (see manifest.json)\n", s.written, options.write.out,

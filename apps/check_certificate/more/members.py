@@ -13,8 +13,9 @@ UNREAD.clear()
 @widens(Filter, "__init__")
 def smoothed(narrow, self, problem, limits, taps):
     narrow(self, problem, limits, taps)
-    self.command = convolved(self.taps, problem.smoothing)
-    self.gone = self.command.sums()
+    if len(problem.smoothing.lo) > 1:
+        self.command = convolved(self.taps, problem.smoothing)
+        self.gone = self.command.sums()
 
 
 @widens(Filter, "starts_or_stops_break")
