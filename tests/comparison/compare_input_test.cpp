@@ -57,6 +57,9 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   refuse("compare --redraw none", "no raw data");
   fs::create_directories(home_ / "mine");
   write(home_ / "mine/raw.jsonl", "years of work\n");
+  fs::create_directories(home_ / "packed");
+  write(home_ / "packed/raw.jsonl.xz", "");
+  refuse("compare --redraw packed", "unpack them with xz -dk packed/raw.jsonl.xz");
   refuse("compare --redraw mine", "raw.jsonl: line 1: not a record of a comparison");
   suite();
   refuse("compare suite.toml --out mine", "holds no suite; nothing was changed");

@@ -73,6 +73,16 @@ TEST(ComparisonData, ARiggedClaimLandsInItsCell) {
   EXPECT_EQ(cell(summary, {{0, "good"}}, "claimed solved, refuted"), "0");
 }
 
+TEST(ComparisonData, WrongClaimsThatThereIsNoAnswerAreInTheSummary) {
+  for (const char* claim : {"infeasible", "unbounded"}) {
+    const ComparisonTable summary = summary_table(comparison::read_comparison(
+        {header, problem(0, "proved", proved_two), run(0, "good", "solved", "optimal", 2.0001),
+         run(0, "rigged", claim, "none", 1.0)}));
+    EXPECT_EQ(cell(summary, {{0, "rigged"}}, "wrong claims"), "1") << claim;
+    EXPECT_EQ(cell(summary, {{0, "good"}}, "wrong claims"), "0") << claim;
+  }
+}
+
 // Variants are entries under names of their own; an algorithm's own name, or one of its forms, is none.
 TEST(ComparisonData, TellsVariantsFromPlainSolvers) {
   std::string four = header;

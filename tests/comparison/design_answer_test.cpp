@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include <accdec/comparison/design_answer.hpp>
 #include <accdec/comparison/external_answer.hpp>
 #include <accdec/exact/exact.hpp>
+#include <accdec/filter.hpp>
 #include <accdec/verify.hpp>
 
 #include "support/paths.hpp"
@@ -17,8 +19,8 @@ namespace accdec {
 namespace {
 
 using comparison::DesignAnswer;
-using comparison::judged_design;
 using comparison::read_names;
+using comparison::replaced_violation;
 using solvers::Claim;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -42,6 +44,11 @@ class Answer : public ::testing::Test {
     return x;
   }
 
+  DesignAnswer judged(const Filter& filter, double delay, double most_violation = replaced_violation,
+                      double seconds = 30.0) const {
+    return comparison::judged_design(task_, choice_, point(filter, delay), most_violation, seconds);
+  }
+
   Task task_;
   DesignResult best_;
   instances::Choice choice_;
@@ -50,21 +57,21 @@ class Answer : public ::testing::Test {
 TEST_F(Answer, IsJudgedBySimulation) {
   ASSERT_EQ(best_.status, Status::optimal) << best_.message;
   const int delay = best_.corners[0].delay;
-  const DesignAnswer own = judged_design(task_, choice_, point(*best_.filter, delay));
+  const DesignAnswer own = judged(*best_.filter, delay);
   ASSERT_TRUE(own.design);
   EXPECT_DOUBLE_EQ(own.design->objective(), best_.objective());
   EXPECT_EQ(own.design->corners[0].delay, delay);
   EXPECT_EQ(own.remark, "");
   // A longer delay holds, too, and costs what it costs.
-  const DesignAnswer longer = judged_design(task_, choice_, point(*best_.filter, delay + 1));
+  const DesignAnswer longer = judged(*best_.filter, delay + 1);
   ASSERT_TRUE(longer.design);
   EXPECT_NEAR(longer.design->objective() - best_.objective(), task_.sample_period, 1e-12);
 }
 
 TEST_F(Answer, TapsThatBreakALimitSlightlyAreReplacedAtItsDelays) {
   std::vector<double> taps;
-  for (int i = 0; i <= 34; ++i) taps.push_back(best_.filter->tap(i) * (1.0 + 1e-5 * (i % 2 == 0 ? 1.0 : -1.0)));
-  const DesignAnswer answer = judged_design(task_, choice_, point(Filter(taps), best_.corners[0].delay));
+  for (int i = 0; i <= 34; ++i) taps.push_back(best_.filter->tap(i) * (1.0 + 1e-7 * (i % 2 == 0 ? 1.0 : -1.0)));
+  const DesignAnswer answer = judged(Filter(taps), best_.corners[0].delay);
   ASSERT_TRUE(answer.design) << answer.remark;
   EXPECT_DOUBLE_EQ(answer.design->objective(), best_.objective());
   EXPECT_GT(answer.violation, 1e-9);
@@ -72,13 +79,32 @@ TEST_F(Answer, TapsThatBreakALimitSlightlyAreReplacedAtItsDelays) {
   EXPECT_TRUE(verify_by_simulation(task_, *answer.design->filter, {best_.corners[0].delay}).feasible);
 }
 
+// The right delay alone is no answer: a boxcar breaks the limit on jerk many times over.
+TEST_F(Answer, TapsThatBreakALimitByMoreThanToleranceAreRefused) {
+  const int delay = best_.corners[0].delay;
+  const DesignAnswer garbage = judged(boxcar(34), delay, comparison::replaced_violation_of_tangents);
+  EXPECT_TRUE(garbage.whole);
+  EXPECT_FALSE(garbage.design);
+  EXPECT_GT(garbage.violation, 1.0);
+  EXPECT_THAT(garbage.remark, HasSubstr("which no tolerance explains"));
+  EXPECT_NEAR(comparison::replaced_violation_of_tangents, 1.0 / std::cos(std::numbers::pi / 64) - 1.0,
+              replaced_violation);
+}
+
+TEST_F(Answer, NobodyIsBlamedWhereNoTimeIsLeftToJudge) {
+  const DesignAnswer late = judged(boxcar(34), best_.corners[0].delay, 1e9, 0.0);
+  EXPECT_FALSE(late.in_time);
+  EXPECT_FALSE(late.design);
+  EXPECT_EQ(late.remark, "not judged in time");
+}
+
 TEST_F(Answer, TooShortOrBrokenDelaysAreRefused) {
   const int delay = best_.corners[0].delay;
-  const DesignAnswer shorter = judged_design(task_, choice_, point(*best_.filter, delay - 1));
+  const DesignAnswer shorter = judged(*best_.filter, delay - 1, 10.0);
   EXPECT_TRUE(shorter.whole);
   EXPECT_FALSE(shorter.design) << "shorter than proved";
   EXPECT_THAT(shorter.remark, HasSubstr("no filter found for its delays"));
-  const DesignAnswer half = judged_design(task_, choice_, point(*best_.filter, delay - 0.5));
+  const DesignAnswer half = judged(*best_.filter, delay - 0.5);
   EXPECT_FALSE(half.whole);
   EXPECT_FALSE(half.design);
   EXPECT_THAT(half.remark, HasSubstr("delay of corner A is not whole"));

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -246,6 +247,60 @@ TEST_F(Instances, NlHasOurValuesAndDerivatives) {
     ++compared;
   }
   EXPECT_EQ(compared, 6u);
+}
+
+// The whole choice is of free taps and delays. A task that narrows them is another problem, so nobody answers this one.
+TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
+  const struct {
+    const char *name, *lines, *key;
+  } tasks[] = {{"family", "[design]\nfamily = \"averages\"\n", "[design] family"},
+               {"bits", "[design]\ncoefficient_bits = 15\n", "[design] coefficient_bits"},
+               {"given", "[filter]\nkind = \"boxcar\"\norder = 12\n", "[filter]"},
+               {"control", "[controller]\nname = \"sinumerik-840d\"\n", "[controller] name"},
+               {"behind", "[controller]\nprefilter_taps = [0.5, 0.5]\n", "prefilter_taps"}};
+  std::string suite = "solvers = [\"exact\", \"ipopt\"]\nstarts = 1\nrepeats = 1\n";
+  for (const auto& t : tasks) {
+    testing::write(home_ / (std::string(t.name) + ".toml"), std::string(task_text) + t.lines);
+    suite +=
+        fmt::format("[[problem]]\nname = \"{0}\"\ntask = \"{0}.toml\"\nformulation = \"design\"\norder = 14\n", t.name);
+  }
+  testing::write(home_ / "suite.toml", suite);
+  const json manifest = write_all("nl");
+  for (const auto& t : tasks) {
+    const json entry = find(manifest, t.name, "design");
+    EXPECT_TRUE(entry["file"].is_null()) << entry;
+    EXPECT_THAT(entry.value("reason", ""), HasSubstr(t.key));
+    EXPECT_EQ(entry["optimum"]["proof"], "bound");
+    EXPECT_TRUE(entry["optimum"]["certificate"].is_null()) << entry;
+  }
+  const testing::Outcome outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  std::istringstream lines(testing::content(home_ / "out/raw.jsonl"));
+  int refused = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const json row = json::parse(line);
+    if (row.value("record", "") == "problem") {
+      EXPECT_EQ(row["proof"], "bound") << line;
+    }
+    if (row.value("record", "") == "run" && row["claim"] == "refused") ++refused;
+  }
+  EXPECT_GE(refused, 2 * 4 + 1);  // behind a prefilter ipopt may answer
+}
+
+TEST_F(Instances, FolderHoldsOneFormatAndNoStaleFiles) {
+  write_all("nl");
+  const std::string before = testing::content(home_ / "nl/manifest.json");
+  const testing::Outcome other = run("instances suite.toml --out nl --format mps");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.output, HasSubstr("nl: holds instances as nl"));
+  EXPECT_EQ(testing::content(home_ / "nl/manifest.json"), before);
+  std::string text = testing::content(home_ / "suite.toml");
+  testing::write(home_ / "suite.toml", text.replace(text.find("name = \"short\""), 14, "name = \"tiny\""));
+  write_all("nl");
+  EXPECT_TRUE(std::filesystem::exists(home_ / "nl/tiny.margin.1.nl"));
+  for (const char* ending : {".nl", ".row", ".col"})
+    EXPECT_FALSE(std::filesystem::exists(home_ / (std::string("nl/short.margin.1") + ending))) << ending;
+  EXPECT_TRUE(std::filesystem::exists(home_ / "nl/small-corner.margin.1.row"));
 }
 
 TEST_F(Instances, RefusesWhatItCannotWrite) {

@@ -14,6 +14,7 @@
 
 #include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
+#include <accdec/files/results_folder.hpp>
 #include <accdec/files/temporaries.hpp>
 
 #include "support/temporary_folder.hpp"
@@ -73,6 +74,39 @@ TEST(OutputFiles, TemporariesOfDeadProcessesAreRemoved) {
   EXPECT_EQ(folder.read("notes.part"), "mine");
   ::close(file);
   remove_temporary(own);
+}
+
+// As many as the instances of a large suite.
+TEST(OutputFiles, ASignalRemovesThousandsOfTemporaries) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    remove_temporaries_on_signals();
+    for (int i = 0; i < 2000; ++i) {
+      std::string name;
+      ::close(open_temporary(folder.path(std::to_string(i)), name));
+    }
+    std::raise(SIGTERM);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(folder.count(), 0U);
+}
+
+// An interrupted run leaves nothing in the way of the next one.
+TEST(OutputFiles, AFolderWithTemporariesOfDeadProcessesIsTakenAsEmpty) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::string name;
+    ::_exit(open_temporary(folder.path("instance.nl"), name) >= 0 ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(folder.count(), 1U);
+  require_results_folder(folder.path(""), {"test/1", "command", "tests"});
+  EXPECT_EQ(folder.count(), 0U);
 }
 
 TEST(OutputFiles, PermissionsOfAnExistingFileStay) {

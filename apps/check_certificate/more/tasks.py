@@ -37,7 +37,7 @@ def axis_with_curve(narrow, table, period, fastest):
     for (v, f), (w, g) in zip(points, points[1:]):
         refuse_if(w <= v or g > f, "a force-speed curve has speeds that do not rise or forces that do")
         lines.append(((f - g) / (w - v), f + (f - g) / (w - v) * v))
-    # The curve is scaled from its origin by as much as verification grants and an axis that counts as standing may take.
+    # The curve is scaled from its origin by as much as verification grants and a standing axis may take.
     scale = WIDER + (STILL * fastest * axis.mass / period / first if axis.coulomb else 0)
     lines = tuple((slope, bound * scale) for slope, bound in lines)
     return axis._replace(lines=lines, last_speed=points[-1][0] * scale)

@@ -6,6 +6,7 @@
 #include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/comparison_run.hpp>
 #include <accdec/comparison/design_answer.hpp>
+#include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/run_rows.hpp>
 #include <accdec/comparison/suite_instances.hpp>
 #include <accdec/design.hpp>
@@ -31,17 +32,21 @@ Claim claim_of(const DesignResult& result) {
   return Claim::failed;
 }
 
+/// @param reason  empty if the run goes on
+bool refused_into(batch::Row& row, const std::string& reason) {
+  if (reason.empty()) return false;
+  row["claim"] = to_string(Claim::refused);
+  row["message"] = reason;
+  return true;
+}
+
 }  // namespace
 
 /// The exact method on one core, with its certificate.
 void Comparison::exact_into(batch::Row& row, const ScheduledRun& entry, const Task& task) const {
   ExactOptions options;
   options.time_limit = time_limit(entry);
-  if (!exact_covers(task)) {
-    row["claim"] = to_string(Claim::refused);
-    row["message"] = "the exact method does not know all limits of this task";
-    return;
-  }
+  if (refused_into(row, exact_covers(task) ? "" : "the exact method does not know all limits of this task")) return;
   const auto began = Clock::now();
   std::vector<nlp::Improvement> history;
   options.progress = [&](const ExactProgress& p) {
@@ -62,18 +67,18 @@ void Comparison::exact_into(batch::Row& row, const ScheduledRun& entry, const Ta
 /// A solver that knows whole variables gets the whole choice as one problem.
 void Comparison::choice_into(batch::Row& row, const ScheduledRun& entry, const ComparisonCase& subject,
                              const Task& task) const {
+  const auto started = Clock::now();
+  const Competitor& competitor = settings_.solvers[entry.solver];
   instances::Choice choice;
   try {
     choice = choice_of(subject);
   } catch (const std::invalid_argument& reason) {
-    row["claim"] = to_string(Claim::refused);
-    row["message"] = reason.what();
+    refused_into(row, reason.what());
     return;
   }
   const Filter filter = subject.start_filter(entry.start, settings_.seed);
   for (int k = 1; k <= subject.spec().order; ++k) choice.start[static_cast<std::size_t>(k) - 1] = filter.cumulative(k);
-  const solvers::Result result =
-      settings_.solvers[entry.solver].registered().solve(choice.problem, choice.start, solver_options(entry));
+  const solvers::Result result = competitor.registered().solve(choice.problem, choice.start, solver_options(entry));
   row["claim"] = to_string(result.claim);
   if (entry.repeat == 0) row["message"] = result.message;
   if (result.claim == Claim::refused) return;
@@ -82,10 +87,17 @@ void Comparison::choice_into(batch::Row& row, const ScheduledRun& entry, const C
   row["evaluation_time_s"] = batch::seconds(result.counts.evaluation_time);
   if (!std::all_of(result.x.begin(), result.x.end(), [](double v) { return std::isfinite(v); })) return;
   const auto began = Clock::now();
-  const DesignAnswer answer = judged_design(task, choice, result.x);
+  const ExternalSolver* program = competitor.program();
+  const bool tangents = program && program->external().reads == "mps";
+  // The process of this run must not be killed while it judges.
+  const double left = kill_after(index_of(entry, entry.repeat)) - seconds_since(started) - 0.5;
+  const DesignAnswer answer =
+      judged_design(task, choice, result.x, tangents ? replaced_violation_of_tangents : replaced_violation,
+                    std::min(judging_time_limit, left));
   row["verification_time_s"] = batch::seconds(seconds_since(began));
-  row["verdict"] = answer.design ? "feasible" : answer.whole ? "infeasible" : "none";
+  row["verdict"] = answer.design ? "feasible" : answer.whole && answer.in_time ? "infeasible" : "none";
   row["violation"] = batch::rounded(answer.violation, 4);
+  if (!answer.in_time) row["claim"] = "not judged";  // the judge's time says nothing of the solver
   if (answer.design) row["objective"] = batch::number(answer.design->objective() / task.sample_period);
   if (entry.repeat == 0 && !answer.remark.empty()) row["message"] = result.message + "; " + answer.remark;
 }
@@ -95,6 +107,7 @@ void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
   const Competitor& competitor = settings_.solvers[entry.solver];
   Task task = subject.spec().task;
   task.design.order_min = task.design.order_max = subject.spec().order;
+  if (refused_into(row, instances::given_choices(task))) return;
   if (competitor.is_exact()) return exact_into(row, entry, task);
   if (competitor.registered().capabilities().integers) return choice_into(row, entry, subject, task);
   DesignOptions options;
@@ -118,8 +131,7 @@ void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
   try {
     result = design_nlp(task, options);
   } catch (const std::invalid_argument& refusal) {
-    row["claim"] = to_string(solvers::Claim::refused);
-    row["message"] = refusal.what();
+    refused_into(row, refusal.what());
     return;
   }
   // Checking takes longer for solvers that give no multipliers. As with single problems, this is not part of their

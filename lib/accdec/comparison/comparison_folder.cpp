@@ -246,6 +246,9 @@ ComparisonSummary run_comparison(const Suite& suite, const ComparisonRunOptions&
 std::size_t redraw_comparison(const std::string& folder) {
   const fs::path path = fs::path(folder) / comparison_raw_name;
   if (!fs::is_regular_file(path)) {
+    if (fs::exists(path.string() + ".xz"))
+      throw OutputError(
+          fmt::format("{0}: its raw data are packed; unpack them with xz -dk {0}/{1}.xz", folder, comparison_raw_name));
     const bool begun = fs::exists(fs::path(folder) / comparison_journal_name);
     throw OutputError(
         fmt::format("{}: no raw data ({}) to draw from{}", folder, comparison_raw_name,

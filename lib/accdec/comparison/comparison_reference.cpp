@@ -16,6 +16,7 @@
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/files.hpp>
+#include <accdec/instances/instance.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/nlp/violation.hpp>
@@ -270,6 +271,8 @@ bool of_the_taps(const Task& task) {
 }
 
 Reference design_reference(const CaseSpec& spec, double time_limit) {
+  if (const std::string reason = instances::given_choices(spec.task); !reason.empty())
+    return {Reference::Proof::bound, 0.0, infinity, "no reference: " + reason};
   if (!exact_covers(spec.task)) return no_reference();
   ExactOptions options;
   options.time_limit = time_limit;

@@ -12,6 +12,7 @@
 #include <accdec/batch/row_numbers.hpp>
 #include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_run.hpp>
+#include <accdec/comparison/design_answer.hpp>
 #include <accdec/design.hpp>
 #include <accdec/files.hpp>
 #include <accdec/formats/toml_file.hpp>
@@ -81,7 +82,10 @@ double Comparison::time_limit(const ScheduledRun& run) const {
 double Comparison::kill_after(std::size_t index) const {
   const ScheduledRun run = at(index);
   const double limit = time_limit(run);
-  return run.reference ? 2.0 * limit + 5.0 : limit + settings_.kill_after - settings_.time_limit;
+  if (run.reference) return 2.0 * limit + 5.0;
+  const double own = limit + settings_.kill_after - settings_.time_limit;
+  // A program is killed by itself before. Its process still judges the answer.
+  return settings_.solvers[run.solver].program() ? own + judging_time_limit + 5.0 : own;
 }
 
 batch::Row Comparison::header() const {
@@ -114,8 +118,9 @@ batch::Row Comparison::header() const {
     entry["name"] = competitor.name;
     entry["solver"] = competitor.solver;
     entry["library"] = solver.library_version();
-    entry["uses"] = uses;
-    entry["search"] = can.global ? "global" : "local";
+    // Nobody knows that of a program.
+    entry["uses"] = competitor.program() ? "" : uses;
+    entry["search"] = competitor.program() ? "" : can.global ? "global" : "local";
     entry["form"] = reduced ? "reduced" : "sparse";
     entry["settings"] = solver.settings();
     if (!competitor.native.empty()) entry["options"] = competitor.native;

@@ -20,7 +20,7 @@ std::string summary_text(const comparison::ComparisonData& data) {
                                 {"infeasible recognised", "infeasible"},
                                 {"refused", "refused"},
                                 {"killed or crashed", "killed"},
-                                {"claimed solved, refuted", "false claims"},
+                                {"wrong claims", "wrong claims"},
                                 {"time to end median / s", "median s"},
                                 {"evaluations median", "evaluations"}};
   const ComparisonTable all = summary_table(data);

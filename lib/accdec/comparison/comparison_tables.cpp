@@ -58,7 +58,7 @@ struct Tally {
   std::string solver;
   const batch::Row* about = nullptr;  ///< of the raw data's header
   std::array<std::size_t, judgement_count> judged{};
-  std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, none_found = 0, refuted = 0;
+  std::size_t runs = 0, refused = 0, lost = 0, recognised = 0, none_found = 0, refuted = 0, wrong = 0;
   std::vector<double> times, accuracy_times, polishing, evaluations;
   double inside = 0.0, wall = 0.0;  ///< s, in the evaluator and in total
 
@@ -74,6 +74,7 @@ struct Tally {
     if (c.infeasible && a.success) ++recognised;
     if (c.infeasible && a.claim == "no design") ++none_found;
     if (comparison::refuted_solution(c, a)) ++refuted;
+    if (comparison::wrong_claim(c, a)) ++wrong;
     if (a.success && !c.infeasible) {
       times.push_back(a.time.median);
       accuracy_times.push_back(a.accuracy_cost);
@@ -128,6 +129,7 @@ const SummaryColumn summary_columns[] = {
     {"infeasible: no design found", [](const Tally& t) { return whole(t.none_found); }},
     {"infeasible in all", judged<Judgement::impossible>},
     {"claimed solved, refuted", [](const Tally& t) { return whole(t.refuted); }},
+    {"wrong claims", [](const Tally& t) { return whole(t.wrong); }},
     {"time to end lower quartile / s", [](const Tally& t) { return lower(t.times); }},
     {"time to end median / s", [](const Tally& t) { return median(t.times); }},
     {"time to end upper quartile / s", [](const Tally& t) { return upper(t.times); }},

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include <accdec/comparison/competitor.hpp>
+#include <accdec/comparison/external_solver.hpp>
 #include <accdec/problem.hpp>
 
 namespace accdec::comparison {
@@ -47,6 +48,10 @@ class ExactMethod final : public solvers::Solver {
 };
 
 }  // namespace
+
+const ExternalSolver* Competitor::program() const {
+  return dynamic_cast<const ExternalSolver*>(external.get());
+}
 
 void Competitor::warm_up() const {
   if (external) return;

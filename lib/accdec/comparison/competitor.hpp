@@ -12,6 +12,8 @@ namespace accdec::comparison {
 /// The entry of the exact method. It takes designs only.
 inline constexpr const char* exact_name = "exact";
 
+class ExternalSolver;
+
 /// A solver in a comparison: the form of the problems it gets, and the options of its library.
 struct Competitor {
   enum class Form { suited, sparse, reduced };  ///< `suited`: the form the suite gives all entries of this solver
@@ -24,6 +26,8 @@ struct Competitor {
   std::shared_ptr<const solvers::Solver> external;
 
   bool is_exact() const { return solver == exact_name; }
+  /// The program of the user; null for others.
+  const ExternalSolver* program() const;
 
   /// @throws std::invalid_argument for a solver that is not registered.
   const solvers::Solver& registered() const { return external ? *external : solvers::find_solver(solver); }

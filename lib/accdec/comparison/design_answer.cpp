@@ -10,7 +10,7 @@
 namespace accdec::comparison {
 
 DesignAnswer judged_design(const Task& task, const instances::Choice& choice, const std::vector<double>& x,
-                           double seconds) {
+                           double most_violation, double seconds) {
   DesignAnswer answer;
   std::vector<int> delays;
   Task fixed = task;
@@ -30,11 +30,25 @@ DesignAnswer judged_design(const Task& task, const instances::Choice& choice, co
     answer.design = std::move(own);
     return answer;
   }
+  if (!(answer.violation <= most_violation)) {
+    answer.remark = fmt::format("its taps break a limit by {:.2g}, which no tolerance explains", answer.violation);
+    return answer;
+  }
+  if (seconds <= 0.0) {
+    answer.in_time = false;
+    answer.remark = "not judged in time";
+    return answer;
+  }
   ExactOptions options;
   options.time_limit = seconds;
   options.certificate = false;
   const DesignResult other = design_exact(fixed, options);
   if (!other.has_design()) {
+    answer.in_time = other.status == Status::infeasible || other.stop != StopReason::time_limit;
+    if (!answer.in_time) {
+      answer.remark = "not judged in time";
+      return answer;
+    }
     answer.remark = fmt::format("no filter found for its delays: {}", other.message);
     return answer;
   }

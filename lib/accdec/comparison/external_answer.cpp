@@ -107,7 +107,8 @@ ExternalAnswer read_sol(const std::string& text, std::size_t columns) {
   const double values = next();  // and those with a value
   if (wanted != static_cast<double>(columns) || (values != wanted && values != 0.0) || !(duals >= 0.0) || duals > 1e9)
     throw std::invalid_argument(
-        fmt::format("its solution has {} values; the problem has {} variables", values, columns));
+        fmt::format("its solution has {} values of {} variables, and {} multipliers; the problem has {} variables",
+                    values, wanted, duals, columns));
   for (double i = 0; i < duals; ++i) next();
   for (double i = 0; i < values; ++i) answer.x.push_back(next());
   if (in >> word && word == "objno") {

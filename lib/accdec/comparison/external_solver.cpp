@@ -180,7 +180,7 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
                                         {"seconds", fmt::format("{:g}", options.time_limit)},
                                         {"suite", external_.folder}});
   ProcessLimits limits;
-  limits.seconds = options.time_limit;
+  limits.seconds = options.time_limit + external_.grace;
   limits.folder_goes = true;
   limits.most_memory = static_cast<std::size_t>(external_.memory_max) * 1'000'000;
   try {
@@ -198,6 +198,9 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
     take_answer(answer, text, problem, result);
+    const bool late = result.wall_time > options.time_limit;
+    if (late && result.claim != Claim::invalid_number && result.claim != Claim::failed)
+      result.claim = Claim::time_limit;
   } catch (const std::exception& error) {
     result.claim = Claim::failed;
     result.message = fmt::format("{}{}{}", error.what(), result.message.empty() ? "" : "; ", result.message);

@@ -16,6 +16,7 @@ struct External {
   std::string answer;   ///< sol: AMPL's solution file; values: a word, then one number for each variable; names
   std::string folder;   ///< of the suite, for {suite}
   int memory_max = 0;   ///< MB that every process of it may have; 0: no limit
+  double grace = 1.0;   ///< s after the time limit, which {seconds} says, until it is killed: `kill_after_s` of a suite
 };
 
 /// The words of a command. Spaces outside of quotes ('..' or "..") split it. {name} is replaced by the value of the
@@ -23,8 +24,10 @@ struct External {
 /// @throws std::invalid_argument if a {name} is no place, or a brace or quote stands alone
 std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places);
 
-/// Runs it for every problem in a folder of its own, with the limits of `run_limited`. The time limit is that of the
-/// options. Its answer is judged like every other. It gets problems in sparse form only.
+/// Runs it for every problem in a folder of its own, with the limits of `run_limited`. It is killed
+/// `grace` after the time limit of the options, so that a program that keeps {seconds} can still write its answer. An
+/// answer after the limit claims no more than "time limit". Its answer is judged like every other. It gets problems in
+/// sparse form only.
 class ExternalSolver final : public solvers::Solver {
  public:
   explicit ExternalSolver(External external) : external_(std::move(external)) {}

@@ -118,15 +118,18 @@ std::string fairness_html(const ComparisonData& data) {
       h.value("time_limit_s", 0.0), data.starts, data.repeats, data.accuracy));
   text += html_paragraph(
       "Designs: solvers without whole variables search with rounding and repair around them. Solvers with whole "
-      "variables get one problem with big-M rows. Their answer is the delays: taps that break a limit by a tolerance, "
-      "or "
-      "by the tangents of an MPS file, are replaced by others at the same delays. The exact method is made for these "
+      "variables get one problem with big-M rows. Taps that break a limit by a tolerance (0.01 %), or by the tangents "
+      "of "
+      "an MPS file (0.13 %), are replaced by others at the same delays. By more, the answer is refused. The exact "
+      "method is made for these "
       "problems, and the difficulty is counted in its own steps: neither is neutral.");
   text += html_paragraph(
       "Options are those of the suite, or the libraries' own, as below. They were not tuned for each solver alike. "
       "Solvers of the registry begin at a trapezoid, and at seeded changes of it if there are more starts. Programs "
       "get "
-      "the same start in an .nl file, and none in the others. They count their own start, reading and writing. Solvers "
+      "the same start in an .nl file, and none in the others. They count their own start, reading and writing. They "
+      "are killed "
+      "at kill_after_s, so that they can write what they have at the time limit. Solvers "
       "not listed here were not tried.");
   if (const std::string notes = h.value("notes", ""); !notes.empty()) text += html_paragraph(notes);
   if (data.session.contains("machine")) {

@@ -14,6 +14,7 @@
 #include <accdec/exact/exact.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
+#include <accdec/files/text_file.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/result.hpp>
@@ -88,12 +89,17 @@ class Writer {
     manifest_["instances"].push_back(std::move(entry));
   }
 
+  /// Names of files in the folder, after `finish`.
+  const std::vector<std::string>& written() const { return written_; }
+
   InstanceSummary finish() {
     add_environment(manifest_, options_.version);
     OutputFiles output;
     output.add((std::filesystem::path(options_.out) / "manifest.json").string(), manifest_.dump(1) + "\n");
-    for (auto& [name, content] : files_)
+    for (auto& [name, content] : files_) {
+      written_.push_back(name);
       output.add((std::filesystem::path(options_.out) / name).string(), std::move(content));
+    }
     create_results_folder(options_.out);
     output.commit();
     return summary_;
@@ -127,16 +133,20 @@ class Writer {
       exact.time_limit = limit;
       DesignResult result;
       result.task = task;
-      if (exact_covers(task)) result = design_exact(task, exact);
+      const std::string objection = instances::given_choices(task);
+      if (exact_covers(task) && objection.empty()) result = design_exact(task, exact);
       const double period = task.sample_period;
-      reference = {Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, nlp::infinity, "exact bound"};
+      reference = {Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, nlp::infinity,
+                   objection.empty() ? "exact bound" : "none: " + objection};
       if (result.status == Status::optimal)
         reference = {Reference::Proof::optimal, reference.lower, result.objective() / period,
                      "exact design at this order"};
       if (result.status == Status::infeasible)
         reference = {Reference::Proof::infeasible, nlp::infinity, nlp::infinity, "exact: " + result.message};
-      certificate = stem + ".proof.json";
-      files_.emplace_back(stem + ".proof.json", result_to_json(result));
+      if (result.status != Status::failed || result.certificate) {
+        certificate = stem + ".proof.json";
+        files_.emplace_back(stem + ".proof.json", result_to_json(result));
+      }
     } else {
       reference = reference_of(subject, limit);
     }
@@ -153,6 +163,7 @@ class Writer {
   Json manifest_;
   std::vector<std::string> stems_;
   std::vector<std::pair<std::string, std::string>> files_;
+  std::vector<std::string> written_;
   InstanceSummary summary_;
 };
 
@@ -174,14 +185,52 @@ instances::Instance instance_of(const ComparisonCase& subject) {
   return instances::instance_of(problem, subject.start(false, 0, 1));
 }
 
+namespace {
+
+/// The instances that a folder holds; null without any.
+Json instances_in(const std::string& folder) {
+  const std::filesystem::path path = std::filesystem::path(folder) / "manifest.json";
+  if (!std::filesystem::is_regular_file(path)) return nullptr;
+  return Json::parse(read_text_file(path.string(), result_file_limit), nullptr, false);
+}
+
+/// Removes the files of earlier instances that the new ones did not replace.
+void remove_stale(const std::string& folder, const Json& earlier, const std::vector<std::string>& written) {
+  for (const Json& entry : earlier.value("instances", Json::array())) {
+    if (!entry.is_object()) continue;
+    std::vector<std::string> names;
+    if (entry.contains("file") && entry["file"].is_string()) {
+      const std::string file = entry["file"], stem = file.substr(0, file.rfind('.'));
+      names = {file, stem + ".row", stem + ".col"};
+    }
+    const Json optimum = entry.value("optimum", Json::object());
+    if (optimum.contains("certificate") && optimum["certificate"].is_string()) names.push_back(optimum["certificate"]);
+    for (const std::string& name : names) {
+      const bool plain = name.find('/') == std::string::npos;
+      if (plain && std::find(written.begin(), written.end(), name) == written.end())
+        std::filesystem::remove(std::filesystem::path(folder) / name);
+    }
+  }
+}
+
+}  // namespace
+
 InstanceSummary write_instances(const Suite& suite, const InstanceOptions& options) {
   constexpr std::array formats{"nl", "mps", "cbf", "dat-s"};
   if (std::find(formats.begin(), formats.end(), options.format) == formats.end())
     throw std::invalid_argument(fmt::format("--format {}: allowed are {}", options.format, fmt::join(formats, ", ")));
   require_results_folder(options.out, {"accdec.instances/1", "command", "instances", "accdec instances "});
+  const Json earlier = instances_in(options.out);
+  if (earlier.is_object() && earlier.value("format", options.format) != options.format)
+    throw OutputError(
+        fmt::format("{}: holds instances as {}, whose .row and .col have another order; nothing was changed. Choose "
+                    "another --out for {}",
+                    options.out, earlier.value("format", ""), options.format));
   Writer writer(suite, options);
   for (const CaseSpec& spec : suite.cases) writer.add(spec);
-  return writer.finish();
+  const InstanceSummary summary = writer.finish();
+  if (earlier.is_object()) remove_stale(options.out, earlier, writer.written());
+  return summary;
 }
 
 }  // namespace accdec::comparison

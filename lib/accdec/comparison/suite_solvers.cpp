@@ -83,13 +83,14 @@ Competitor read_variant(const Table& table) {
   return c;
 }
 
-Competitor read_external(const Table& table, const std::string& folder) {
+Competitor read_external(const Table& table, const std::string& folder, double grace) {
   comparison::External external{*table.text("name"),
                                 *table.text("command"),
                                 table.word("reads"),
                                 table.word("answer"),
                                 folder,
-                                table.integer("memory_max_MB").value_or(0)};
+                                table.integer("memory_max_MB").value_or(0),
+                                grace};
   if (external.command.find("{" + external.reads + "}") == std::string::npos)
     table.fail_at("command", fmt::format("`command` needs {{{}}}, the place of the problem's file", external.reads));
   try {
@@ -131,7 +132,11 @@ void read_competitors(const Table& top, const std::string& folder, const Names& 
     settings.solvers.push_back(std::move(entry));
   };
   for (const Table& table : variants) add(table, read_variant(table));
-  for (const Table& table : externals) add(table, read_external(table, folder));
+  for (const Table& table : externals) {
+    if (const std::string name = *table.text("name"); among(known, name))
+      table.fail_at("name", fmt::format("\"{}\" is a solver of `accdec solvers`; a program needs another name", name));
+    add(table, read_external(table, folder, settings.kill_after - settings.time_limit));
+  }
 }
 
 }  // namespace accdec::toml_input

@@ -8,6 +8,7 @@
 #include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
+#include <accdec/files/temporaries.hpp>
 
 namespace accdec {
 
@@ -99,6 +100,7 @@ void require_results_folder(const std::string& folder, const ResultsKind& kind) 
   if (!fs::exists(folder)) return require_creatable(folder);
   require_folder(folder);
   const std::string finished = results_hash(folder, kind);
+  remove_remains(folder);
   const bool foreign = finished == "?" || fs::exists(fs::path(folder) / marker_name);
   if (foreign || (finished.empty() && holds_anything(folder))) throw no_results_of(folder, kind);
 }

@@ -28,7 +28,7 @@ namespace {
 
 /// Names that a signal handler can read at any moment. If there are more temporaries at a time, the others are opened
 /// but not noted.
-std::array<std::atomic<char*>, 256> noted{};
+std::array<std::atomic<char*>, 65536> noted{};
 
 void note(const std::string& name) {
   char* const copy = ::strdup(name.c_str());
@@ -93,21 +93,20 @@ bool ended(pid_t process) {
   return name_end != std::string::npos && stat.compare(name_end + 2, 1, "Z") == 0;
 }
 
-/// Once a process and folder: what killed processes left there.
+}  // namespace
+
 void remove_remains(const std::string& folder) {
   static std::mutex mutex;
   static std::set<std::string> done;
   const std::lock_guard lock(mutex);
   if (!done.insert(folder).second) return;
   std::error_code unreadable;
-  std::filesystem::directory_iterator item(folder.empty() ? "." : folder, unreadable);
+  std::filesystem::directory_iterator item(folder, unreadable);
   for (; !unreadable && item != std::filesystem::directory_iterator(); item.increment(unreadable)) {
     const pid_t owner = owner_of(item->path().filename().string());
     if (owner > 0 && ended(owner)) ::unlink(item->path().c_str());
   }
 }
-
-}  // namespace
 
 int open_temporary(const std::string& target, std::string& name) {
   thread_local std::random_device random;
@@ -115,7 +114,7 @@ int open_temporary(const std::string& target, std::string& name) {
   const std::string folder = slash == std::string::npos ? "" : target.substr(0, slash + 1);
   // In most file systems a name has at most 255 bytes, and the ending must fit.
   const std::string stem = target.substr(folder.size()).substr(0, 200);
-  remove_remains(folder);
+  remove_remains(folder.empty() ? "." : folder);
   for (int tries = 0; tries < 100; ++tries) {
     name = fmt::format("{}{}.{:08x}.{}.{:08x}.part", folder, stem, host_mark(), ::getpid(), random());
     note(name);

@@ -15,6 +15,9 @@ int open_temporary(const std::string& target, std::string& name);
 /// Removes a temporary; does nothing if it is gone.
 void remove_temporary(const std::string& name);
 
+/// Removes the temporaries that dead processes of this host left in a folder: once a process and folder.
+void remove_remains(const std::string& folder);
+
 /// Removes all temporaries of this process that are there, before it ends.
 void remove_temporaries();
 
