@@ -22,6 +22,7 @@
 #include <accdec/formats/task_keys.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/result.hpp>
+#include <accdec/study/baseline_table.hpp>
 #include <accdec/task.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
@@ -92,7 +93,7 @@ Answer design(const Question& question) {
     said["parameters"] = describe_parameters(*given);
     said["settings"] = settings_json(*given, 1e3 * result.task.sample_period);
   }
-  // The result as `design --json` writes it, digit by digit.
+  // The result as `design --json` writes it, digit by digit, but for what it saves: the page has today's filter apart.
   return {200, "application/json",
           fmt::format(R"({{"result": {}, {})", result_to_json(result), std::string_view(dumped(said)).substr(1))};
 }
@@ -142,8 +143,12 @@ Answer explain(const Question& question) {
 Answer export_file(const Question& question) {
   const bool binary = question.format == "npy";
   const char* const type = binary ? "application/octet-stream" : "text/plain; charset=utf-8";
-  if (question.format == "result")
-    return {200, type, result_to_json(design_task(task_of(question), options_of(question)))};
+  if (question.format == "result") {
+    DesignResult result = design_task(task_of(question), options_of(question));
+    if (result.filter && result.task.baseline && !result.task.filter && !result.settings)
+      result.savings = study::savings(study::compare_with_baselines(result, 1.0));
+    return {200, type, result_to_json(result)};
+  }
   return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
 }
 
