@@ -212,7 +212,7 @@ TEST_F(ProgramCommand, AProgramIsWrittenAsItsControlReadsIt) {
     EXPECT_THAT(text, HasSubstr(language.remark)) << language.name;
     for (const char* foreign : {"G21", "G61.1", "G64 P", "G4 P"})
       EXPECT_EQ(text.find(foreign), std::string::npos) << foreign;
-    EXPECT_EQ(text.find(language.remark.front() == ';' ? "(" : ";"), std::string::npos) << text;
+    EXPECT_EQ(text.find(language.remark.front() == ';' ? "(" : "\n;"), std::string::npos) << text;
     EXPECT_THAT(text, HasSubstr("\nM8\n"));
     EXPECT_EQ(text.find("\nG04 ") != std::string::npos, !language.wait.empty()) << text;
     const auto kinds = nlohmann::json::parse(read("r.json"))["settings"]["delays"];

@@ -73,17 +73,18 @@ class Identifier {
   double rounding() const { return noise_least + model_part * command_.step; }
   double noise() const { return std::max(command_.noise, options_.noise.value_or(0.0)); }
   /// Free taps explain more by chance: of as many numbers as they have more, each about the noise's square. Several
-  /// standard deviations beyond that, the family is not the log's. Nor is it where it leaves far more than the noise,
-  /// unless it is endless: then no part of the log is at rest or at constant speed, where the noise is measured.
+  /// standard deviations beyond that, the family is not the log's. Nor is it where it leaves far more than the noise.
   bool fits_as_well_as_taps() const {
     constexpr double far_more = 3.0, deviations = 4.0;
     const double numbers = taps_.parameters, values = static_cast<double>(window_.values());
     const double least = std::max(taps_.rms, options_.noise.value_or(0.0));
     const double chance = (numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
     return best_rms() <= noise_more * least + rounding() &&
-           (endless() || best_rms() <= far_more * noise() + rounding()) &&
+           best_rms() <= far_more * noise() + rounding() + speed_error() &&
            all_.front().squares <= taps_squares_ + chance + values * (rounding() * rounding() + cut_off() * cut_off());
   }
+  /// m: an endless pole has no part at constant speed, so that the log's speed is known less well.
+  double speed_error() const { return endless() ? 5e-3 * command_.step : 0.0; }
   bool endless() const { return all_.front().fitted.family == SettingFamily::one_pole; }
   /// m: the way that an endless pole has left where its family cuts it off, and a log does not.
   double cut_off() const {
