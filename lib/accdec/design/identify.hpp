@@ -52,8 +52,8 @@ struct IdentifyOptions {
 /// averages with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every number
 /// that a family has more must explain more. Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit
 /// too many families. Taps are the answer if they fit better than chance explains. They are also if the best family
-/// leaves far more than the noise, as the log shows it at rest and at constant speed. The task's `prefilter_taps` stand
-/// behind every filter: what is found is the filter in front of them.
+/// leaves far more than the noise, as the log shows it at rest and at constant speed. Two poles that differ mostly end
+/// so. The task's `prefilter_taps` stand behind every filter: what is found is the filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine
