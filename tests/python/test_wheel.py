@@ -35,7 +35,7 @@ def run(*command, **more):
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
-    run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "-C", BUILD, "--outdir", folder, SOURCE)
+    run(sys.executable, "-m", "build", "--no-isolation", "-C", BUILD, "--outdir", folder, SOURCE)
     return next(folder.glob("*.whl"))
 
 
