@@ -56,11 +56,11 @@ class Simulator {
     const std::int64_t seen = std::min<std::int64_t>(rest, order_ + 1);
     const std::int64_t window = (time > static_cast<double>(reached) ? 1 : 0) + seen + order_ + 1;
     const auto guess = static_cast<std::int64_t>(time + 0.5 * static_cast<double>(seen) + mean_delay_);
-    const JointWindow& whole = pending_.emplace_back(b, reached, reached + window, !ends_leg(path_, b));
+    const JointWindow& whole = pending_.emplace_back(JointWindow{b, reached, reached + window, !ends_leg(path_, b)});
     // As many places as lanes of the widest registers; segments end one sample later.
     const std::int64_t last = whole.last - (whole.path ? 8 : 7);
     const std::int64_t near = std::clamp(guess - 4, whole.first, std::max(whole.first, last));
-    near_.emplace_back(b, near, std::min(whole.last, near + whole.last - last), whole.path);
+    near_.push_back({b, near, std::min(whole.last, near + whole.last - last), whole.path});
     watched_until_ = std::max(watched_until_, reached + window + 1);
     block_ = b + 1;
   }
