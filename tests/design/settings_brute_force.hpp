@@ -7,6 +7,10 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
+#include <accdec/design.hpp>
+#include <accdec/result.hpp>
 #include <accdec/task.hpp>
 
 // The best setting of a controller by brute force: every member, every delay and every width, by the formulas of the
@@ -371,6 +375,18 @@ inline double brute_force(const Task& task) {
     }
   }
   return best;
+}
+
+/// Designs a task and compares its time with brute force.
+/// @param best, nothing  statuses of the result if there is a setting, and if there is none
+inline DesignResult as_brute_force(const Task& task, Status best, Status nothing, const std::string& what) {
+  const double expected = brute_force(task);
+  DesignResult result = design_task(task);
+  EXPECT_EQ(result.status, std::isinf(expected) ? nothing : best) << what << ": " << result.message;
+  if (std::isfinite(expected) && result.has_design()) {
+    EXPECT_NEAR(result.objective() / task.sample_period, expected, 1e-6) << what;
+  }
+  return result;
 }
 
 }  // namespace accdec::testing

@@ -139,7 +139,7 @@ export function drawPath(place, now, before) {
   const stretch = stretchOf(fits[1] / fits[0]);
   const scale = Math.min(fits[0], fits[1] / stretch),
     scales = [scale, scale * stretch];
-  // What is left over is shared.
+  // The rest is shared.
   for (const [i, span] of [
     [0, plot[0] / scales[0]],
     [2, plot[1] / scales[1]],
