@@ -90,8 +90,8 @@ class ChoiceBuilder {
       const Polynomial body = rows.polynomial(r);
       const nlp::Bound bound = rows.row_bound(r);
       const std::string name = fmt::format("{}, delay {}", rows.row_name(r), delay);
-      if (std::isfinite(bound.upper)) switched(name, body, 1.0, bound.upper, chosen);
-      if (std::isfinite(bound.lower)) switched(name, body, -1.0, -bound.lower, chosen);
+      if (std::isfinite(bound.upper)) switched(name + ", from above", body, 1.0, bound.upper, chosen);
+      if (std::isfinite(bound.lower)) switched(name + ", from below", body, -1.0, -bound.lower, chosen);
     }
   }
 
