@@ -152,8 +152,8 @@ class Writer {
     }
     if (reference.proof != Reference::Proof::bound) ++summary_.proved;
     entry["optimum"] = {{"proof", to_string(reference.proof)},
-                        {"lower", batch::number(reference.lower)},
-                        {"upper", batch::number(reference.upper)},
+                        {"lower", batch::rounded(reference.lower, 17)},
+                        {"upper", batch::rounded(reference.upper, 17)},
                         {"method", reference.method},
                         {"certificate", certificate}};
   }
