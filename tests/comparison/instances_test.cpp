@@ -298,6 +298,38 @@ TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
   EXPECT_GE(refused, 2 * 4 + 1);  // behind a prefilter ipopt may answer
 }
 
+// Shortest delays of N + 1 and N + 2 samples, and corners where only limits, or zeros among the taps, set the delay. No
+// such file has a cone that binds, so an outer approximation by tangents has the optimum itself.
+TEST_F(Instances, WholeChoiceHasEveryDelayOfTheExactMethod) {
+  const struct {
+    const char *name, *axes, *corner;
+    int order;
+  } tasks[] = {{"stop", "acceleration_max_mm_s2 = 1000\n", "error_max_um = 20\n", 7},
+               {"exact", "acceleration_max_mm_s2 = 1000\n", "error_max_um = 0\n", 12},
+               {"limits", "acceleration_max_mm_s2 = 1000\n", "", 12},
+               {"jerk", "acceleration_max_mm_s2 = 3000\njerk_max_mm_s3 = 400000\n", "", 8}};
+  std::string suite = "solvers = [\"exact\"]\nstarts = 1\nrepeats = 1\n";
+  for (const auto& t : tasks) {
+    testing::write(
+        home_ / (std::string(t.name) + ".toml"),
+        fmt::format("sample_period_ms = 2\n[[axis]]\n{}[[corner]]\nname = \"A\"\nangle_deg = 90\nheading_deg = "
+                    "-45\nfeed_in_mm_min = 1200\n{}[[corner]]\nname = \"slow\"\nangle_deg = "
+                    "90\nfeed_in_mm_min = 60\nerror_max_um = 500\n",
+                    t.axes, t.corner));
+    suite += fmt::format("[[problem]]\nname = \"{0}\"\ntask = \"{0}.toml\"\nformulation = \"design\"\norder = {1}\n",
+                         t.name, t.order);
+  }
+  testing::write(home_ / "suite.toml", suite);
+  const json manifest = write_all("mps");
+  for (const auto& t : tasks) {
+    const json entry = find(manifest, t.name, "design");
+    ASSERT_EQ(entry["optimum"]["proof"], "proved") << t.name;
+    const auto found = read_back("highs", "mps/" + entry["file"].get<std::string>());
+    if (!found) GTEST_SKIP() << "python3-scipy is not installed";
+    EXPECT_NEAR(std::stod(*found), entry["optimum"]["upper"].get<double>(), 1e-6) << t.name;
+  }
+}
+
 TEST_F(Instances, FolderHoldsOneFormatAndNoStaleFiles) {
   write_all("nl");
   const std::string before = testing::content(home_ / "nl/manifest.json");
