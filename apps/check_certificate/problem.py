@@ -24,7 +24,7 @@ KEYS = {
     "corner": set("name angle_deg heading_deg turn direction_in direction_out feed_in_mm_min feed_out_mm_min "
                   "error_max_um speed_min_mm_s delay_samples weight".split()),
     "mode": {"frequency_Hz", "damping_ratio", "residual_max"},
-    "controller": set("name file title parameters parameter_units parameter_unit_ms position_unit_um delays "
+    "controller": set("title parameters parameter_units parameter_unit_ms position_unit_um delays "
                       "delay_words in_position_of in_position_latency_ms".split()),
     "design": set("order_min order_max symmetric objective runs coefficient_bits family stages length_step_ms "
                   "length_max_ms alpha_step cutoff_step_Hz".split()),

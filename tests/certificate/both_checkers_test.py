@@ -75,6 +75,8 @@ class CornerFeeds(BothCheckers):
         self.assertEqual((taps["status"], taps["certificate"]["kind"]), ("infeasible", "branch and bound"))
         self.both(taps, True)
         self.both(dict(taps, task=slow["task"]), "corners at their feeds")
+        named = {"delays": ["dwell", "corner-feed"], "name": "a control with families"}
+        self.assertIsNone(verdict(dict(taps, task=taps["task"] | {"controller": named}))[0])
 
     def test_a_proof_without_them_is_none_of_a_longer_time(self):
         slow, taps = self.settings(), designed(self.task())
