@@ -241,7 +241,10 @@ void compare_settings(const DesignResult& result, std::vector<std::string>& reas
     reasons.push_back("free_taps_s is below the lower bound");
   if (result.free_taps && *result.free_taps > result.objective() * (1.0 + part))
     reasons.push_back("free_taps_s is above the time of the settings");
-  if (result.free_taps && cost_of(result.task).whole()) {
+  // Free taps that are no shorter are recorded with the time of the settings, whose corner feeds may lose parts of
+  // samples.
+  const bool shorter = result.free_taps && *result.free_taps < result.objective() * (1.0 - part);
+  if (shorter && cost_of(result.task).whole()) {
     const double samples = *result.free_taps / result.task.sample_period;
     if (!(std::abs(samples - std::round(samples)) <= part * samples))
       reasons.push_back(fmt::format("free_taps_s is {:.9g} samples, and every time is a whole number", samples));
