@@ -1,5 +1,6 @@
 """A corner of a program's page by itself: by a click, from the list, from the address, in the saved page."""
 import json
+import math
 import time
 
 from looking import check, wait
@@ -13,6 +14,34 @@ def click_near(browser, corner):
                           f" accdecProgram.scene.at({corner}.at_mm))")
     for kind in ("mousePressed", "mouseReleased"):
         browser.page("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], button="left", clickCount=1)
+
+
+def planned_feeds(browser, fixed):
+    """Corners are opened at the feeds of the blocks that meet there, as the result of plan fixed has them."""
+    commands, size = fixed["commands"], len(fixed["commands"]["axes"])
+    points = [commands["points_m"][i:i + size] for i in range(0, len(commands["points_m"]), size)]
+    feeds = [6e4 * math.dist(*points[b:b + 2]) / t for b, t in enumerate(commands["duration_s"])]
+    corners = browser.value("accdecProgram.program.corners")
+    off, slower = 0.0, 0
+    for c in corners:
+        ends = [b for b, line in enumerate(commands["line"][:-1])
+                if line == c["line"] and math.dist(points[b + 1], [x / 1e3 for x in c["at_mm"]]) < 1e-7]
+        asked = [c["corner"]["feed_in_mm_min"], c["corner"]["feed_out_mm_min"]]
+        off = max(off, min(max(abs(asked[i] - feeds[b + i]) for i in (0, 1)) for b in ends))
+        slower += c["planned"] and asked[0] < 0.999 * c["programmed_mm_min"][0]
+    check(off <= 1.1e-3, f"corners have the feeds of plan fixed, within {off:.1g} mm/min")  # rounded down to 0.001
+    check(slower > 0, f"{slower} of {len(corners)} corners are slower than programmed")
+
+
+def today_holds(program, browser):
+    """What holds in the program holds at its corners, or the page says why not."""
+    start = browser.value("accdecProgram.program")
+    base = {**start["base"], "filter": start["base"]["baseline"]}
+    del base["baseline"]
+    rapid = [c["corner"] for c in start["corners"] if max(c["programmed_mm_min"]) > 10000]
+    for corner in rapid[:4]:
+        answer = json.loads(program.post("design", {**base, "corner": [corner]}, format="given")[1])["result"]
+        check("filter" in answer, f"today's filter holds at {corner['name']}, {corner['feed_in_mm_min']} mm/min")
 
 
 def opens(browser, home):

@@ -13,7 +13,7 @@ import { summary } from "./summary.js";
 import { brief, cornerButtons, cornerTable, familyTable, tapTable, todayText } from "./tables.js";
 import { tools } from "./tools.js";
 
-const page = { design: null, families: null, today: null };
+const page = { design: null, families: null, today: null, planned: "" };
 const delays = (result) => result.corners.map((c) => c.delay_samples);
 const textOf = (task) => JSON.stringify(task);
 /** Whether the design shown is of this task. While it is not, curves wait for it: they are drawn once. */
@@ -28,6 +28,8 @@ shared.pageText = () => pageText(shared);
 /** Whether an answer is under way that replaces what is drawn. A longer search for a proof is not. */
 shared.busy = () => [design, families, thorough, today, beside.member].some((one) => one.busy || one.next);
 const state = (shared.state = new State(start.task, changed, chosen));
+/** The task as a program's page opened it, with the feeds that its plan passes the corner at. */
+if (state.choices.planned) page.planned = textOf(state.task);
 const beside = new Beside(() => draw(settled()));
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
 const controls = new Controls($("#controls"), start.keys, state, refusals);

@@ -32,8 +32,20 @@ const limitsKey = (plan) =>
     return make("span", {}, swatch, ` ${i < 0 ? program.other : program.limits[i]} `);
   });
 
-/** The address that a corner opens: the explorer with the corner as its task. */
-const addressOf = (corner) => `index.html${taskAddress({ ...program.base, corner: [corner.corner] })}`;
+/** The address that a corner opens: the explorer with the corner as its task, at the feeds of plan fixed. */
+const addressOf = ({ corner, planned }) =>
+  `index.html${taskAddress({ ...program.base, corner: [corner] })}${planned ? "&planned=true" : ""}`;
+
+/** "3000", or "3000, 1500" where they differ */
+const feedsText = (feeds) => [...new Set(feeds.map(four))].join(", ");
+const feedsOf = ({ corner }) => feedsText([corner.feed_in_mm_min, corner.feed_out_mm_min]);
+
+/** What a corner is opened with. */
+function cornerTitle(corner) {
+  const [now, asked] = [feedsOf(corner), feedsText(corner.programmed_mm_min)];
+  const feeds = corner.planned ? `the feeds of plan fixed: ${now}` : `the programmed feeds: ${asked}`;
+  return `The corner of line ${corner.line} by itself, from rest to rest at ${feeds} mm/min${now === asked ? "" : ` (programmed: ${asked})`}`;
+}
 
 const scene = new Scene($("#path canvas"), showMark, (place) => {
   const at = (i) => scene.at(program.corners[i].at_mm);
@@ -161,6 +173,7 @@ function tables() {
 }
 
 function cornerList() {
+  const feeds = program.corners.some((c) => c.planned) ? "feeds of plan fixed" : "feeds";
   const sharp = [...program.corners].sort((a, b) => a.angle_deg - b.angle_deg).slice(0, 20);
   const link = (c) => {
     const onclick = (event) => {
@@ -174,12 +187,12 @@ function cornerList() {
     link(c),
     c.at_mm.map(four).join(", "),
     four(c.angle_deg),
-    `${four(c.corner.feed_in_mm_min)}, ${four(c.corner.feed_out_mm_min)}`,
+    feedsOf(c),
     c.corner.error_max_um === undefined ? "\u2013" : four(c.corner.error_max_um),
   ]);
   $("#corner-list").replaceChildren(
     make("h2", {}, `the sharpest of ${program.corners.length} corners: open one to design it by itself`),
-    make("div", { class: "wide" }, table(["corner", `${program.axes.join(", ")} / mm`, "angle / \u00b0", "feeds / mm/min", "tolerance / \u00b5m"], rows)),
+    make("div", { class: "wide" }, table(["corner", `${program.axes.join(", ")} / mm`, "angle / \u00b0", `${feeds} / mm/min`, "tolerance / \u00b5m"], rows)),
   );
 }
 
@@ -224,7 +237,7 @@ function show(now, before) {
   if (scene.view !== now.view) scene.view = now.view;
   if (now.corner !== (before?.corner ?? "")) {
     const corner = now.corner && program.corners[Number(now.corner)];
-    openCorner(corner ? `The corner of line ${corner.line} by itself` : "", corner ? addressOf(corner) : null);
+    openCorner(corner ? cornerTitle(corner) : "", corner ? addressOf(corner) : null);
   }
   // A button that is disabled would lose the focus of who presses it.
   $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));

@@ -66,9 +66,11 @@ export function summary(page) {
       ".",
     );
   } else if (filterOfToday(task)) {
-    parts.push(
-      today ? `Today\u2019s filter does not hold these limits: ${today.result.message}` : "Today\u2019s filter is computed ..",
-    );
+    const no =
+      page.planned === page.design.of
+        ? "In its program, today\u2019s filter holds here: feeds change in steps there. From rest to rest it does not:"
+        : "Today\u2019s filter does not hold these limits:";
+    parts.push(today ? `${no} ${today.result.message}` : "Today\u2019s filter is computed ..");
   } else if (best.length) {
     const least = best.reduce((a, b) => (b.objective_s < a.objective_s ? b : a));
     const what = page.families.complete ? "Best" : "Best so far";
