@@ -4,6 +4,7 @@ import math
 import time
 
 from looking import check, wait
+from program import Program
 
 
 def click_near(browser, corner):
@@ -42,6 +43,20 @@ def today_holds(program, browser):
     for corner in rapid[:4]:
         answer = json.loads(program.post("design", {**base, "corner": [corner]}, format="given")[1])["result"]
         check("filter" in answer, f"today's filter holds at {corner['name']}, {corner['feed_in_mm_min']} mm/min")
+
+
+def without_corner(accdec, browser, home, task):
+    """A line, and arcs that go on in one direction, are shown like any program."""
+    for name, moves in (("line", "G1 X50"), ("arcs", "G2 X20 Y0 I10 J0\nG3 X40 Y0 I10 J0")):
+        code = home / f"{name}.ngc"
+        code.write_text(f"G21 G90 G17 G64 P0.05 F3000\n{moves}\nM2\n")
+        program = Program(accdec, code, "--task", task, cwd=home)
+        browser.open(program.address)
+        wait(browser, "document.body.classList.contains('ready')", f"a page of {name}")
+        said = browser.value("document.querySelector('#corner-list').textContent")
+        check("no corner to open" in said and browser.value("accdecProgram.program.plans.length") == 2, f"{name}: {said}")
+        browser.open("about:blank")
+        program.end()
 
 
 def opens(browser, home):

@@ -22,6 +22,7 @@
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/program.hpp>
 
+#include "machines.hpp"
 #include "requests.hpp"
 
 namespace accdec::explore {
@@ -248,6 +249,15 @@ Json base_of(Task task, const Toolpath& path) {
   return json;
 }
 
+/// The corner that turns most; where there is none, a task to begin with.
+Task first_task(const Json& program, const std::string& name) {
+  const Json& corners = program["corners"];
+  if (corners.empty()) return parse_task(cli::machine_file(cli::first_machine).text, std::string(cli::first_machine));
+  Json task = program["base"];
+  task["corner"] = Json::array({(*std::min_element(corners.begin(), corners.end(), sharper))["corner"]});
+  return parse_task_json(task.dump(), name);
+}
+
 }  // namespace
 
 std::string program_start_json(const std::string& name, const Task& task, double free_seconds,
@@ -273,11 +283,7 @@ std::string program_start_json(const std::string& name, const Task& task, double
       std::find_if(plans.begin(), plans.end(), [](const auto& p) { return p.plan.command() != nullptr; });
   program["corners"] = corners_json(path, fixed == plans.end() ? nullptr : &fixed->plan.path);
   program["base"] = base_of(task, path);
-  if (program["corners"].empty()) throw std::invalid_argument(name + " has no corner to explore");
-  const auto sharpest = std::min_element(program["corners"].begin(), program["corners"].end(), sharper);
-  Json first = program["base"];
-  first["corner"] = Json::array({(*sharpest)["corner"]});
-  std::string start = start_json(parse_task_json(first.dump(), name), name);
+  std::string start = start_json(first_task(program, name), name);
   start.pop_back();  // its closing brace
   return start + ", \"program\": " + program.dump(-1, ' ', false, Json::error_handler_t::replace) + "}";
 }

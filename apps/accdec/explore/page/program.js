@@ -173,6 +173,10 @@ function tables() {
 }
 
 function cornerList() {
+  if (!program.corners.length) {
+    $("#corner-list").replaceChildren(make("p", {}, "The program turns nowhere: there is no corner to open."));
+    return;
+  }
   const feeds = program.corners.some((c) => c.planned) ? "feeds of plan fixed" : "feeds";
   const sharp = [...program.corners].sort((a, b) => a.angle_deg - b.angle_deg).slice(0, 20);
   const link = (c) => {
