@@ -69,6 +69,16 @@ Json settings_json(const FilterSpec& spec, double period_ms) {
   return settings;
 }
 
+/// A place for the motion at every corner. That of one is there, others are asked for when they are shown: all of them
+/// may be a hundred megabytes.
+Json views_json(const DesignResult& result, const Question& question, const Deadline& deadline) {
+  constexpr int drawn_at_once = 2000;  // taps: 50 ms
+  Json views(result.corners.size(), nullptr);
+  const bool time = result.filter && (result.filter->order() < drawn_at_once || !deadline.over());
+  if (time && question.corner < views.size()) views[question.corner] = view_json(result, question.corner);
+  return views;
+}
+
 Answer design(const Question& question) {
   const Deadline deadline(question.seconds);
   Task task = task_of(question);
@@ -85,7 +95,7 @@ Answer design(const Question& question) {
   const ReportTable corners = corner_report(result);
   result.certificate.reset();  // thousands of numbers that the page would not read
   Json said{{"proof", proof},
-            {"views", views_json(result)},
+            {"views", views_json(result, question, deadline)},
             {"setting", settings_answer(result)},
             {"exact_stop", result.filter && stops_exactly(result)},
             {"corners", {{"head", corners.head}, {"rows", corners.rows}}}};
@@ -205,6 +215,8 @@ Json key_json(const Key& key) {
 
 Answer answer_unguarded(const Question& question) {
   if (question.name == "design") return design(question);
+  if (question.name == "view")
+    return {200, "application/json", dumped(view_json(parse_result(question.body, "result"), question.corner))};
   if (question.name == "families") return compare_families(question);
   if (question.name == "explain") return explain(question);
   if (question.name == "check") return check(question);

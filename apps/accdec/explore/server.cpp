@@ -98,6 +98,16 @@ std::optional<double> seconds_of(const httplib::Request& request) {
   return seconds;
 }
 
+/// Null if the request has no index of a corner.
+std::optional<std::size_t> corner_of(const httplib::Request& request) {
+  if (!request.has_param("corner")) return 0;
+  const std::string text = request.get_param_value("corner");
+  std::size_t corner = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), corner);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return corner;
+}
+
 class PageServer : public httplib::Server {
  public:
   explicit PageServer(const Served& served) : served_(served), token_(random_token()) {
@@ -116,7 +126,7 @@ class PageServer : public httplib::Server {
       if (response.body.empty()) refuse(response, {response.status, words(response.status)});
     });
     set_pre_routing_handler([this](const auto& request, auto& response) { return admit(request, response); });
-    for (const char* const name : {"design", "families", "explain", "check", "export", "file"}) {
+    for (const char* const name : {"design", "view", "families", "explain", "check", "export", "file"}) {
       Post("/" + token_ + "/" + name,
            [this, name](const auto& request, auto& response) { compute(name, request, response); });
     }
@@ -239,6 +249,11 @@ class PageServer : public httplib::Server {
       refuse(response, {400, "`seconds` is no time; allowed is 0 < seconds <= 60"});
       return;
     }
+    const std::optional<std::size_t> corner = corner_of(request);
+    if (!corner) {
+      refuse(response, {400, "`corner` is no whole number from 0 on"});
+      return;
+    }
     const std::string slot = request.get_param_value("slot");
     for (std::size_t i = 0; i < request.get_param_value_count("ends"); ++i)
       computing_.cancel(request.get_param_value("client"), request.get_param_value("ends", i));
@@ -249,7 +264,7 @@ class PageServer : public httplib::Server {
       return;
     }
     const std::string format = request.get_param_value("format");
-    const Answer given = served_.answer({name, request.body, format, *seconds, flag.get()});
+    const Answer given = served_.answer({name, request.body, format, *corner, *seconds, flag.get()});
     computing_.leave(place, flag);
     response.status = given.status;
     response.set_content(given.text, given.type);

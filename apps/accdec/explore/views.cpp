@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include <accdec/machine.hpp>
 #include <accdec/machine/signed_value.hpp>
@@ -100,7 +103,12 @@ void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner,
   view["speed_mm_s"] = drawn(std::move(speed));
 }
 
+}  // namespace
+
 Json view_json(const DesignResult& result, std::size_t index) {
+  if (!result.filter || index >= result.corners.size()) throw std::invalid_argument("there is no such corner to draw");
+  if (result.filter->order() > longest_drawn)
+    throw std::invalid_argument(fmt::format("a filter of more than {} taps is not drawn", longest_drawn));
   const Task& task = result.task;
   const TaskCorner& corner = task.corners[index];
   const SampledResponse sampled = simulate_response(*result.filter, corner.geometry(), result.corners[index].delay,
@@ -118,15 +126,6 @@ Json view_json(const DesignResult& result, std::size_t index) {
     if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, sampled, corner, task));
   }
   return view;
-}
-
-}  // namespace
-
-Json views_json(const DesignResult& result) {
-  Json views = Json::array();
-  if (!result.filter || result.filter->order() > longest_drawn) return views;
-  for (std::size_t i = 0; i < result.corners.size(); ++i) views.push_back(view_json(result, i));
-  return views;
 }
 
 }  // namespace accdec::explore

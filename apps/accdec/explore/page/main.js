@@ -12,6 +12,7 @@ import { State } from "./state.js";
 import { summary } from "./summary.js";
 import { brief, cornerButtons, cornerTable, familyTable, tapTable, todayText } from "./tables.js";
 import { tools } from "./tools.js";
+import { Views } from "./views.js";
 
 const page = { design: null, families: null, today: null, planned: "" };
 const delays = (result) => result.corners.map((c) => c.delay_samples);
@@ -26,11 +27,14 @@ const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
 shared.pageText = () => pageText(shared);
 /** Whether an answer is under way that replaces what is drawn. A longer search for a proof is not. */
-shared.busy = () => [design, families, thorough, today, beside.member].some((one) => one.busy || one.next);
+shared.busy = () => [design, families, thorough, today, beside.member, views.latest, viewsBefore.latest].some((one) => one.busy || one.next);
 const state = (shared.state = new State(start.task, changed, chosen));
 /** The task as a program's page opened it, with the feeds that its plan passes the corner at. */
 if (state.choices.planned) page.planned = textOf(state.task);
-const beside = new Beside(() => draw(settled()));
+const corner = () => state.choices.corner ?? 0;
+const beside = new Beside(() => draw(settled()), corner);
+const views = new Views("view", () => draw(), (error) => (trouble(`Not drawn: ${error.message}`), draw()));
+const viewsBefore = new Views("before", () => draw(), () => {});
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
 const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
@@ -53,7 +57,7 @@ if (state.broken) note("The address holds no task that can be read: this is the 
 
 // The first attempt at a proof has a share of the time; it must do on a busy machine, too.
 const design = new Latest(
-  (task) => askJson("design", task, { seconds: 0.6 }),
+  (task) => askJson("design", task, { seconds: 0.6, corner: corner() }),
   (answer, task) => {
     showDesign(answer, task);
     if (answer.result.stop === "time limit") longer.put(task);
@@ -61,7 +65,7 @@ const design = new Latest(
   fail,
 );
 // A design that is not proved in a moment gets more time, until the task changes.
-const longer = new Latest((task) => askJson("design", task, { seconds: 20, slot: "longer" }), showDesign, fail);
+const longer = new Latest((task) => askJson("design", task, { seconds: 20, slot: "longer", corner: corner() }), showDesign, fail);
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
   (task) => askJson("families", task, { seconds: 0.015, ends: ["longer", "thorough"] }),
@@ -78,7 +82,13 @@ const thorough = new Latest(
   () => {},
 );
 const today = new Latest(
-  (task) => askJson("design", withFilter(task, filterOfToday(task)), { seconds: 2, slot: "today", format: "given" }),
+  (task) =>
+    askJson("design", withFilter(task, filterOfToday(task)), {
+      seconds: 2,
+      slot: "today",
+      format: "given",
+      corner: corner(),
+    }),
   (answer, task) => {
     page.today = { ...answer, of: textOf(task) };
     draw(settled());
@@ -195,17 +205,18 @@ function drawNow() {
   if (!answer || !draw.curves) return;
   draw.curves = false;
   document.body.classList.add("drawn");
-  const { result, views } = answer;
+  const { result } = answer;
   const before = compared();
-  const i = Math.min(state.choices.corner ?? 0, result.task.corner.length - 1);
+  const i = Math.min(corner(), result.task.corner.length - 1);
   cornerButtons($("#corners"), result, i, (corner) => state.choose({ corner }));
   const period = result.sample_period_s * 1e3;
   $("#beside").textContent = !before ? "(nothing to compare with)" : beside.family ? brief(beside.family.title) : "today";
   $("#corner-table .wide").replaceChildren(cornerTable(answer.corners));
   if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
   filters.show(result, before?.result.filter);
-  const view = views[i],
-    old = before?.views[i];
+  const view = views.of(answer, i),
+    old = viewsBefore.of(before, i);
+  for (const place of ["#path", "#off", "#motion"]) $(place).hidden = view === false;
   if (!view) return;
   const tolerance = result.task.corner[i].error_max_um ?? null;
   drawPath(

@@ -4,8 +4,8 @@ const client = Math.random().toString(36).slice(2);
 
 export class Superseded extends Error {}
 
-async function post(name, body, { slot = "", seconds = 1, format = "", ends = [] } = {}) {
-  const query = new URLSearchParams({ client, slot, seconds, format });
+async function post(name, body, { slot = "", seconds = 1, format = "", corner = 0, ends = [] } = {}) {
+  const query = new URLSearchParams({ client, slot, seconds, format, corner });
   // Slots whose questions are about an older task: the program gives up on them.
   for (const one of ends) query.append("ends", one);
   let response;
