@@ -1,5 +1,6 @@
 // The page of a program: its path by speed, everything over time, where time is lost, one plan against the other.
 import { cornerText, openCorner } from "./corner.js";
+import { cornerList } from "./corner_list.js";
 import { $, four, instant, make, table } from "./format.js";
 import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
@@ -172,34 +173,6 @@ function tables() {
   );
 }
 
-function cornerList() {
-  if (!program.corners.length) {
-    $("#corner-list").replaceChildren(make("p", {}, "The program turns nowhere: there is no corner to open."));
-    return;
-  }
-  const feeds = program.corners.some((c) => c.planned) ? "feeds of plan fixed" : "feeds";
-  const sharp = [...program.corners].sort((a, b) => a.angle_deg - b.angle_deg).slice(0, 20);
-  const link = (c) => {
-    const onclick = (event) => {
-      if (event.ctrlKey || event.metaKey || event.shiftKey) return; // in a window of its own
-      event.preventDefault();
-      choose(program.corners.indexOf(c));
-    };
-    return make("a", { href: addressOf(c), target: "_blank", onclick }, `line ${c.line}`);
-  };
-  const rows = sharp.map((c) => [
-    link(c),
-    c.at_mm.map(four).join(", "),
-    four(c.angle_deg),
-    feedsOf(c),
-    c.corner.error_max_um === undefined ? "\u2013" : four(c.corner.error_max_um),
-  ]);
-  $("#corner-list").replaceChildren(
-    make("h2", {}, `the sharpest of ${program.corners.length} corners: open one to design it by itself`),
-    make("div", { class: "wide" }, table(["corner", `${program.axes.join(", ")} / mm`, "angle / \u00b0", `${feeds} / mm/min`, "tolerance / \u00b5m"], rows)),
-  );
-}
-
 function summary() {
   const plan = program.plans[shown.plan],
     before = besides(plan);
@@ -286,7 +259,7 @@ addEventListener("resize", () => {
   drawTime.later = setTimeout(() => (drawTime(), tables(), requestAnimationFrame(() => pointAt(state.now.at))), 200);
 });
 show(state.now);
-cornerList();
+cornerList(program, { addressOf, feedsOf, open: choose });
 document.title = `accdec explore: ${program.name}`;
 globalThis.accdecProgram = { program, scene, charts, shown, state, addressOf, shades, pageText };
 document.body.classList.add("ready");

@@ -40,19 +40,16 @@ export function fileName(name, format) {
   return ending === format ? `${name}.${ending}` : `${name}-${format}.${ending}`;
 }
 
-export function exportChoice(select, shared) {
+/** A menu of formats, and the button that exports: arrow keys go through the choices of a closed menu. */
+export function exportChoice(select, button, shared) {
   const choices = [
     ["task", "task file"],
     ["result", "result, with its proof"],
     ...shared.start.formats.map((f) => [f, `taps, ${f}`]),
   ];
-  select.append(
-    make("option", { value: "" }, "choose .."),
-    ...choices.map(([value, text]) => make("option", { value }, text)),
-  );
-  select.addEventListener("change", async () => {
+  select.append(...choices.map(([value, text]) => make("option", { value }, text)));
+  button.addEventListener("click", async () => {
     const format = select.value;
-    select.value = "";
     try {
       const name = taskName(shared);
       if (format === "task") return download(await askBlob("file", shared.state.task), `${name}.toml`);
@@ -101,7 +98,7 @@ export async function frozen(change = () => {}) {
     canvas.replaceWith(image);
   });
   copy
-    .querySelectorAll("script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, select.more, .group .tools, input[type=range]")
+    .querySelectorAll("script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, .more, .group .tools, input[type=range]")
     .forEach((e) => e.remove());
   const wanted = [...copy.querySelectorAll("[tabindex]")];
   wanted.forEach((e) => e.removeAttribute("tabindex"));

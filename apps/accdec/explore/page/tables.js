@@ -123,12 +123,14 @@ export function familyTable(all, own, design, task, period, chosen, choose, open
 export function cornerButtons(place, result, chosen, choose) {
   const names = result.corners.map((c) => c.name);
   place.hidden = names.length < 2;
-  const shown = JSON.stringify([names, chosen]);
-  if (place.dataset.shown === shown) return;
-  place.dataset.shown = shown;
-  const button = (name, i) =>
-    make("button", { type: "button", "aria-pressed": String(i === chosen), onclick: () => choose(i) }, name);
-  place.replaceChildren(...names.map(button));
+  const shown = JSON.stringify(names);
+  if (place.dataset.shown !== shown) {
+    place.dataset.shown = shown;
+    const focused = place.contains(document.activeElement);
+    place.replaceChildren(...names.map((name, i) => make("button", { type: "button", onclick: () => choose(i) }, name)));
+    if (focused) place.children[chosen].focus();
+  }
+  [...place.children].forEach((button, i) => button.setAttribute("aria-pressed", String(i === chosen)));
 }
 
 /** In the numbers of the command line. */

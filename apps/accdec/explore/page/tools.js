@@ -11,7 +11,7 @@ export function tools(shared, draw) {
   $("#reset").onclick = () => state.reset();
   $("#copy").onclick = () => copyTask(shared);
   $("#save").onclick = () => savePage(shared);
-  exportChoice($("#export"), shared);
+  exportChoice($("#export"), $("#download"), shared);
   $("#whole").onchange = (event) => state.choose({ whole: event.target.checked });
   $("#tap-table").ontoggle = draw;
   const changed = make("option", { value: "changed", hidden: true, disabled: true }, "changed");
@@ -32,7 +32,8 @@ export function tools(shared, draw) {
   $("#explain").onclick = async () => {
     const button = $("#explain"),
       place = $("#limits .wide");
-    button.disabled = true;
+    if (place.classList.contains("running")) return;
+    button.setAttribute("aria-disabled", "true"); // disabled, it would lose the focus
     place.classList.add("running");
     const asked = structuredClone(state.task);
     place.replaceChildren("solving the task again with more room for every limit ..");
@@ -43,7 +44,7 @@ export function tools(shared, draw) {
     } catch (error) {
       place.replaceChildren(error.message);
     }
-    button.disabled = false;
+    button.removeAttribute("aria-disabled");
     place.classList.remove("running");
   };
   // A page of paper cannot be unfolded.
