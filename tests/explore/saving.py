@@ -11,13 +11,14 @@ def saves_one_task(page):
     before = page.value("document.querySelector('#time').dataset.value")
     page.value("""globalThis.realFetch = fetch;
         globalThis.fetch = async (at, how) => {
-            if (/^(design|families)/.test(at)) await new Promise((go) => setTimeout(go, 700));
+            if (/^(design|families)/.test(at)) await new Promise((go) => setTimeout(go, 6000));
             return realFetch(at, how);
         };""")
     page.value("document.querySelector('#corner-0-error_max_um-slider').focus()")
     for _ in range(3):
         page.key("ArrowLeft", shift=True)
-    text = page.value("accdecPage.pageText()")
+    text = page.value("accdecPage.pageText({ tell: (what) => (globalThis.told ??= what) })")
+    check(page.value("told").startswith("waiting for the"), page.value("told"))
     shown = page.value("document.querySelector('#time').dataset.value")
     check(shown != before and f'data-value="{shown}"' in text, f"saved while it searched: {shown} s, not {before} s")
     bound = json.loads(page.value("document.body.dataset.task"))["corner"][0]["error_max_um"]
@@ -26,8 +27,9 @@ def saves_one_task(page):
     page.value("globalThis.fetch = (at, how) =>"
                " String(at).startsWith('design') ? new Promise(() => {}) : realFetch(at, how)")
     page.key("ArrowLeft", shift=True)
-    said = page.value("accdecPage.pageText().then(() => 'saved', (error) => error.message)")
-    check(said.startswith("not saved: these numbers have no answer yet"), said)
+    for wanted in ("waiting for the design", "not saved: these numbers have no answer yet"):
+        page.value("document.querySelector('#save').click()")
+        page.wait(f"document.querySelector('#note').textContent.startsWith({json.dumps(wanted)})", wanted)
     page.value("globalThis.fetch = realFetch")
     page.open(page.program.address)
     page.settle()

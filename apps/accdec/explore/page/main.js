@@ -25,9 +25,13 @@ const found = (answer) => (answer?.result.filter ? answer : null);
 stayAlive((gone) => document.body.classList.toggle("gone", gone));
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
-shared.pageText = () => pageText(shared);
-/** Whether an answer is under way that replaces what is drawn. A longer search for a proof is not. */
-shared.busy = () => [design, families, thorough, today, beside.member, views.latest, viewsBefore.latest].some((one) => one.busy || one.next);
+shared.pageText = (wait) => pageText(shared, wait);
+/** Answers under way that replace what is drawn, in words. A longer search for a proof does not. */
+shared.awaited = () => {
+  const drawn = [today, beside.member, views.latest, viewsBefore.latest];
+  const asked = { "the design": [design], "the families": [families, thorough], "what is drawn": drawn };
+  return Object.keys(asked).filter((name) => asked[name].some((one) => one.busy || one.next));
+};
 const state = (shared.state = new State(start.task, changed, chosen));
 /** The task as a program's page opened it, with the feeds that its plan passes the corner at. */
 if (state.choices.planned) page.planned = textOf(state.task);
@@ -41,10 +45,11 @@ const motion = new Motion($("#motion"));
 const filters = new FilterCharts($("#taps"), $("#response"));
 const off = new Chart($("#off"), { height: 290, between: true });
 
-function note(text) {
+/** For a moment; lasting: until the next one. */
+function note(text, lasting = false) {
   $("#note").textContent = text;
   clearTimeout(note.timer);
-  note.timer = setTimeout(() => ($("#note").textContent = ""), 4000);
+  if (!lasting) note.timer = setTimeout(() => ($("#note").textContent = ""), 4000);
 }
 
 function trouble(text) {

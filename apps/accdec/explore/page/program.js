@@ -4,7 +4,7 @@ import { cornerList } from "./corner_list.js";
 import { $, four, instant, make, table } from "./format.js";
 import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
-import { baseName, download, frozen } from "./save.js";
+import { baseName, frozen, Saving } from "./save.js";
 import { Scene } from "./scene.js";
 import { Shades } from "./shades.js";
 import { Shown } from "./shown.js";
@@ -239,21 +239,16 @@ addEventListener("keydown", (event) => {
 });
 $("#corner button").addEventListener("click", () => (state.set({ corner: "" }), $("#path canvas").focus()));
 /** This page as one file, with that of the open corner in it. */
-async function pageText() {
-  const corner = await cornerText();
+async function pageText(wait) {
+  const corner = await cornerText(wait);
   return frozen((copy) => {
     copy.querySelectorAll("#corner-list a").forEach((a) => a.removeAttribute("href"));
     copy.querySelectorAll("iframe").forEach((frame) => (frame.removeAttribute("src"), (frame.srcdoc = corner ?? "")));
   });
 }
-$("#save").addEventListener("click", async () => {
-  try {
-    const base = baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""));
-    download(new Blob([await pageText()], { type: "text/html" }), `${base}.html`);
-  } catch (error) {
-    $("#info").textContent = error.message;
-  }
-});
+const saving = new Saving();
+const base = baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""));
+$("#save").addEventListener("click", () => saving.save(pageText, base, (text) => ($("#info").textContent = text || "\u00a0")));
 addEventListener("resize", () => {
   clearTimeout(drawTime.later);
   drawTime.later = setTimeout(() => (drawTime(), tables(), requestAnimationFrame(() => pointAt(state.now.at))), 200);

@@ -120,14 +120,25 @@ export async function frozen(change = () => {}) {
   return `<!doctype html>\n${copy.outerHTML}\n`;
 }
 
+const longest = 90; // s: questions have up to 60 s
+
 /**
  * The present state, with its task. What is still being computed is waited for, so that the page saved speaks of one
  * task. @throws Error where there is no answer to what the fields say
+ * @param wait  {tell(what): called with what is waited for; ends(): true to wait no longer}
  */
-export async function pageText(shared) {
+export async function pageText(shared, wait = {}) {
   const has = (name) => document.body.classList.contains(name);
-  const until = performance.now() + 5000;
-  while (performance.now() < until && (has("stale") || shared.busy())) await new Promise((go) => setTimeout(go, 50));
+  const began = performance.now();
+  const seconds = () => (performance.now() - began) / 1e3;
+  const awaited = () => {
+    const names = has("unread") ? [] : shared.awaited();
+    return names.length || has("unread") || !has("stale") ? names : ["the design"];
+  };
+  for (let names; (names = awaited()).length && seconds() < longest && !wait.ends?.(); ) {
+    wait.tell?.(`waiting for ${names.join(", ")}: ${seconds().toFixed(0)} s`);
+    await new Promise((go) => setTimeout(go, 50));
+  }
   if (has("unread")) throw new Error("not saved: a field has no number that is allowed");
   if (has("stale")) throw new Error("not saved: these numbers have no answer yet; save when it is there");
   const task = askText("file", shared.state.task);
@@ -137,10 +148,24 @@ export async function pageText(shared) {
   );
 }
 
-export async function savePage(shared) {
-  try {
-    download(new Blob([await pageText(shared)], { type: "text/html" }), `${taskName(shared)}.html`);
-  } catch (error) {
-    shared.note(error.message);
+/**
+ * Saves a page as soon as it is complete; asked once more meanwhile, it waits no longer.
+ * @param text  gives the page, see pageText  @param tell  called with (text, lasting)
+ */
+export class Saving {
+  async save(text, name, tell) {
+    if (this.running) return void (this.ended = true);
+    Object.assign(this, { running: true, ended: false });
+    try {
+      const said = (what) => tell(`${what}; press again to end that`, true);
+      const page = await text({ tell: said, ends: () => this.ended });
+      download(new Blob([page], { type: "text/html" }), `${name}.html`);
+      tell("");
+    } catch (error) {
+      tell(error.message);
+    }
+    this.running = false;
   }
 }
+const saving = new Saving();
+export const savePage = (shared) => saving.save(shared.pageText, taskName(shared), shared.note);
