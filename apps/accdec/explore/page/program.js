@@ -247,8 +247,9 @@ async function pageText(wait) {
   });
 }
 const saving = new Saving();
-const base = baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""));
-$("#save").addEventListener("click", () => saving.save(pageText, base, (text) => ($("#info").textContent = text || "\u00a0")));
+const file = `${baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""))}.html`;
+const say = (text) => ($("#info").textContent = text || "\u00a0");
+$("#save").addEventListener("click", () => saving.save(pageText, file, say));
 addEventListener("resize", () => {
   clearTimeout(drawTime.later);
   drawTime.later = setTimeout(() => (drawTime(), tables(), requestAnimationFrame(() => pointAt(state.now.at))), 200);
