@@ -70,6 +70,21 @@ def lists_all(browser):
     check(browser.value(f"document.activeElement === {links}[20]"), "the focus goes to the first new one")
 
 
+def stops_exactly(accdec, home, task):
+    """A corner where the program stops, by G61.1 or by a dwell, is one without an error."""
+    code = home / "stops.ngc"
+    code.write_text("G21 G90 F3000 G61.1\nG1 X20\nG64 P0.05 Y20\nG1 X40\nG4 P0.1\nY40\nG64 P0.03 X60\nY60\nM2\n")
+    program = Program(accdec, code, "--task", task, cwd=home)
+    start = json.loads(program.ask("GET", program.path + "start")[1])["program"]
+    found = {c["line"]: (c["stop"], c["corner"].get("error_max_um")) for c in start["corners"]}
+    check(found == {2: (True, 0), 3: (False, 50), 4: (True, 0), 6: (False, 50), 7: (False, 30)},
+          f"exact stops are corners without an error: {found}")
+    exact = next(c["corner"] for c in start["corners"] if c["line"] == 2)
+    answer = json.loads(program.post("design", {**start["base"], "corner": [exact]})[1])
+    check(answer["exact_stop"] and answer["result"]["corners"][0]["corner_error_m"] < 1e-9, "and designed as such")
+    program.end()
+
+
 def opens(browser, home):
     """A click near a corner opens the explorer with that corner above the path, and a design of it."""
     within = "document.querySelector('#corner iframe')?.contentWindow"

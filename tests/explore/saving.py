@@ -35,6 +35,27 @@ def saves_one_task(page):
     page.settle()
 
 
+def searches_on(page):
+    """A proof that was not rechecked in a moment is looked for again; the page says so, and is saved with its end."""
+    page.value("""globalThis.realFetch = fetch;
+        globalThis.fetch = async (at, how) => {
+            if (/slot=longer/.test(at)) await new Promise((go) => setTimeout(go, 1500));
+            const answer = await realFetch(at, how);
+            if (!/^design.*slot=&/.test(at) || answer.status !== 200) return answer;
+            const said = await answer.json();
+            return new Response(JSON.stringify({ ...said, proof: { rechecked: false, text: "no time" } }));
+        };""")
+    page.value("document.querySelector('#corner-0-error_max_um-slider').focus()")
+    page.key("ArrowLeft")
+    badge = "document.querySelector('#badge')"
+    page.wait(f"{badge}.textContent === 'best, searching on'", "it says that it searches on")
+    text = page.value("accdecPage.pageText()")
+    check(page.value(f"{badge}.textContent") == "proved" and ">proved<" in text, "then it is proved, also where saved")
+    page.value("globalThis.fetch = realFetch")
+    page.open(page.program.address)
+    page.settle()
+
+
 def saves(page):
     page.browser.events.clear()
     text = page.value("accdecPage.pageText()")

@@ -6,7 +6,8 @@ import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
 import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
-import { Latest, askJson, begin, stayAlive } from "./requests.js";
+import { better, hurried, unfinished } from "./proof.js";
+import { Latest, askJson, begin, latency, stayAlive } from "./requests.js";
 import { pageText } from "./save.js";
 import { State } from "./state.js";
 import { summary } from "./summary.js";
@@ -26,10 +27,10 @@ stayAlive((gone) => document.body.classList.toggle("gone", gone));
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
 shared.pageText = (wait) => pageText(shared, wait);
-/** Answers under way that replace what is drawn, in words. A longer search for a proof does not. */
+/** Answers under way that replace what is drawn, in words. */
 shared.awaited = () => {
   const drawn = [today, beside.member, views.latest, viewsBefore.latest];
-  const asked = { "the design": [design], "the families": [families, thorough], "what is drawn": drawn };
+  const asked = { "the design": [design], "a longer search": [longer], "the families": [families, thorough], "what is drawn": drawn };
   return Object.keys(asked).filter((name) => asked[name].some((one) => one.busy || one.next));
 };
 const state = (shared.state = new State(start.task, changed, chosen));
@@ -61,16 +62,23 @@ if (state.broken) note("The address holds no task that can be read: this is the 
 // --- questions ---
 
 // The first attempt at a proof has a share of the time; it must do on a busy machine, too.
+const moment = 0.6; // s
 const design = new Latest(
-  (task) => askJson("design", task, { seconds: 0.6, corner: corner() }),
+  (task) => askJson("design", task, { seconds: moment, corner: corner() }),
   (answer, task) => {
     showDesign(answer, task);
-    if (answer.result.stop === "time limit") longer.put(task);
+    latency("design");
+    if (unfinished(answer)) longer.put(task);
+    else if (hurried(answer, moment)) setTimeout(() => settled() && page.design.of === textOf(task) && longer.put(task), 300);
   },
   fail,
 );
 // A design that is not proved in a moment gets more time, until the task changes.
-const longer = new Latest((task) => askJson("design", task, { seconds: 20, slot: "longer", corner: corner() }), showDesign, fail);
+const longer = new Latest(
+  (task) => askJson("design", task, { seconds: 20, slot: "longer", corner: corner() }),
+  showDesign,
+  fail,
+);
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
   (task) => askJson("families", task, { seconds: 0.015, ends: ["longer", "thorough"] }),
@@ -155,12 +163,13 @@ function askRest(task) {
 // --- answers ---
 
 function showDesign(answer, task) {
-  page.design = { ...answer, of: textOf(task) };
+  const next = { ...answer, of: textOf(task) };
+  if (!better(next, page.design)) return draw(false);
+  page.design = next;
   trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
   document.body.classList.toggle("failed", !answer.result.filter);
   if (JSON.stringify(task) === JSON.stringify(state.task)) document.body.classList.remove("stale");
   draw();
-  latency("design");
   // The families that take longer do not hold up the proof.
   const { of, complete } = page.families ?? {};
   if (of === page.design.of && !complete && showDesign.thorough !== of) {
@@ -183,14 +192,6 @@ function showFamilies(answer, task) {
   draw(false);
 }
 
-/** ms from the last change to the drawn answer, for who measures. */
-function latency(name) {
-  requestAnimationFrame(() => {
-    const from = performance.getEntriesByName("changed").at(-1)?.startTime ?? 0;
-    ((globalThis.accdecLatency ??= {})[name] ??= []).push(performance.now() - from);
-  });
-}
-
 // --- drawing: once a frame, whatever has come ---
 
 /** @param curves  false where only tables have changed */
@@ -204,6 +205,7 @@ const compared = () => found(beside.family ? beside.answer : page.today);
 
 function drawNow() {
   const answer = found(page.design);
+  page.searching = Boolean(longer.busy || longer.next);
   summary(page);
   if (page.design) document.body.classList.add("ready");
   drawFamilies();

@@ -37,6 +37,14 @@ export const askText = async (name, body, options) => (await post(name, body, op
 export const askBlob = async (name, body, options) => (await post(name, body, options)).blob();
 export const begin = async () => (await fetch("start")).json();
 
+/** ms from the last change to the drawn answer, for who measures. */
+export function latency(name) {
+  requestAnimationFrame(() => {
+    const from = performance.getEntriesByName("changed").at(-1)?.startTime ?? 0;
+    ((globalThis.accdecLatency ??= {})[name] ??= []).push(performance.now() - from);
+  });
+}
+
 /**
  * Asks about the latest value only. While an answer is under way the next question waits, but not longer than
  * `patience` ms: then it takes the other's place, and the program gives up on that.

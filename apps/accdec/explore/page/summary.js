@@ -1,5 +1,6 @@
 // The answer in one sentence, what it saves, and the badge.
 import { $, filterOfToday, make, ms, objective } from "./format.js";
+import { proved } from "./proof.js";
 
 /** Of what the design is proved to be the fastest. */
 const candidates = ({ task, settings }) =>
@@ -9,7 +10,7 @@ const candidates = ({ task, settings }) =>
 function badge(answer) {
   if (!answer) return ["no answer", ""];
   const { result, proof } = answer;
-  if (result.status === "optimal" && proof.rechecked)
+  if (proved(answer))
     return [
       "proved",
       `No ${candidates(result)} within the limits are faster: ${proof.text}. The motion was simulated again.`,
@@ -28,7 +29,8 @@ function badge(answer) {
 
 export function summary(page) {
   const [word, why] = badge(page.design);
-  $("#badge").textContent = word;
+  const more = page.searching && page.design && !proved(page.design);
+  $("#badge").textContent = more ? `${word}, searching on` : word;
   $("#badge").dataset.is = word;
   $("#badge").title = why;
   const result = page.design?.result;
@@ -48,7 +50,7 @@ export function summary(page) {
     `${what}: `,
     make("b", { id: "time", "data-value": time }, `${ms(time)} ms`),
     corners > 1 ? ` for ${corners} corners` : " for the corner",
-    ".",
+    more ? " so far." : ".",
   );
   const parts = [];
   // A sentence speaks of one task: answers about another have no part in it.
