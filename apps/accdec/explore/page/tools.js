@@ -1,6 +1,7 @@
 // The buttons of the page.
 import { $, make } from "./format.js";
 import { askJson } from "./requests.js";
+import { printing } from "./paper.js";
 import { copyTask, exportChoice, savePage } from "./save.js";
 import { explanationTable } from "./tables.js";
 
@@ -47,17 +48,7 @@ export function tools(shared, draw) {
     button.removeAttribute("aria-disabled");
     place.classList.remove("running");
   };
-  // A page of paper cannot be unfolded.
-  const folded = [];
-  addEventListener("beforeprint", () => {
-    // The media query of the screen for two drawings beside each other, which paper cannot ask.
-    document.body.classList.toggle("columns", matchMedia("(min-width: 76rem)").matches);
-    folded.push(...document.querySelectorAll("#controls details:not([open])"));
-    for (const group of folded) group.open = true;
-  });
-  addEventListener("afterprint", () => {
-    for (const group of folded.splice(0)) group.open = false;
-  });
+  printing(shared);
   addEventListener("keydown", (event) => {
     if (
       !(event.ctrlKey || event.metaKey) ||
