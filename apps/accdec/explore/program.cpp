@@ -216,7 +216,7 @@ Json corners_json(const Toolpath& path, const Toolpath* fixed) {
                 {"feed_out_mm_min", programmed[1]}};
     const auto feeds = planned.at(path, b);
     if (feeds) corner["feed_in_mm_min"] = (*feeds)[0], corner["feed_out_mm_min"] = (*feeds)[1];
-    // Where the program stops, a delay of the whole filter makes the motion rest at the corner, too.
+    // A motion that rests at the corner is one that a delay of the whole filter makes.
     const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b];
     if (tolerance < unlimited) corner["error_max_um"] = um * tolerance;
     std::vector<double> at(path.point(b + 1), path.point(b + 1) + path.dimensions());

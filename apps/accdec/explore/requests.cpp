@@ -47,6 +47,10 @@ Task task_of(const Question& question) {
   // Whoever may ask for designs must not have the program open files: a page sends the controller itself.
   Task task = parse_task_json(question.body, "task", {.response = Considered::all, .controller_files = false});
   require_small(task.corners.size());
+  if (task.filter && make_filter(*task.filter).order() >= most_taps)
+    throw std::invalid_argument(fmt::format(
+        "the filter has more than {} taps, the most that the explorer computes with: accdec design takes any number",
+        most_taps));
   return task;
 }
 
@@ -74,8 +78,9 @@ Json settings_json(const FilterSpec& spec, double period_ms) {
 Json views_json(const DesignResult& result, const Question& question, const Deadline& deadline) {
   constexpr int drawn_at_once = 2000;  // taps: 50 ms
   Json views(result.corners.size(), nullptr);
-  const bool time = result.filter && (result.filter->order() < drawn_at_once || !deadline.over());
-  if (time && question.corner < views.size()) views[question.corner] = view_json(result, question.corner);
+  const int order = result.filter ? result.filter->order() : longest_drawn;
+  const bool now = order < drawn_at_once || (order < longest_drawn && !deadline.over());
+  if (now && question.corner < views.size()) views[question.corner] = view_json(result, question.corner);
   return views;
 }
 
@@ -162,13 +167,14 @@ Answer export_file(const Question& question) {
   return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
 }
 
-/// Why the tasks of a list cannot be designed; null for those that can.
+/// Why the tasks of a list cannot be designed; null for those that can. The list ends where the time is over.
 Answer check(const Question& question) {
   if (json_too_deep(question.body)) return problem(400, "brackets nest more than 64 deep; no list of tasks does");
   const Json tasks = Json::parse(question.body, nullptr, false);
   if (!tasks.is_array()) return problem(400, "not a list of tasks");
   // Cancelled before it begins: what a design refuses is refused, nothing is searched.
   const std::atomic<bool> enough = true;
+  const Deadline deadline(question.seconds);
   Json reasons = Json::array();
   for (const Json& one : tasks) {
     const std::string text = one.dump();
@@ -179,7 +185,7 @@ Answer check(const Question& question) {
     } catch (const std::exception& error) {
       reasons.push_back(error.what());
     }
-    if (question.cancel != nullptr && question.cancel->load()) break;
+    if (deadline.over() || (question.cancel != nullptr && question.cancel->load())) break;
   }
   return {200, "application/json", dumped(reasons)};
 }

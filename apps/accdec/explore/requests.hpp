@@ -22,6 +22,7 @@ struct Question {
 inline constexpr double most_seconds = 60.0;
 /// The page draws every corner; tasks with more are for `accdec design`.
 inline constexpr std::size_t most_corners = 200;
+inline constexpr int most_taps = 100'000;  ///< of a given filter: an answer of 2.5 MB in half a second
 
 struct Answer {
   int status = 200;  ///< as HTTP has it; from 400 on the text is {"error": ".."}
@@ -35,8 +36,8 @@ struct Answer {
 /// whether that proof was rechecked. It has the motion at the corner asked for, and the setting in the words of the
 /// control. Its list of `views` has null for other corners, and for this one if a long filter left no time. The answer
 /// to "view" is such a motion. The answer to "families" has the best member of each family that controllers have. The
-/// answer to "explain" is that of `accdec explain --json`. The answer to "check" has, for each task, why it cannot be
-/// designed, or null. The answer to "export" is a file, that to "file" the task as a task file.
+/// answer to "explain" is that of `accdec explain --json`. The answer to "check" has, for each task it had time
+/// for, why that cannot be designed, or null. The answer to "export" is a file, that to "file" the task as a task file.
 Answer answer(const Question& question);
 
 /// The page begins with this: the task, every key of a task, the shipped tasks, the formats of exports.

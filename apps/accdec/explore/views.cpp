@@ -18,8 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int longest_drawn = 20'000;  ///< taps
-
 /// To eight digits of the largest: enough for a picture, and less than half of the text.
 std::vector<double> drawn(std::vector<double> values) {
   double peak = 0.0;
@@ -124,7 +122,7 @@ void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner,
 
 Json view_json(const DesignResult& result, std::size_t index) {
   if (!result.filter || index >= result.corners.size()) throw std::invalid_argument("there is no such corner to draw");
-  if (result.filter->order() > longest_drawn)
+  if (result.filter->order() >= longest_drawn)
     throw std::invalid_argument(fmt::format("a filter of more than {} taps is not drawn", longest_drawn));
   const Task& task = result.task;
   const TaskCorner& corner = task.corners[index];
