@@ -35,8 +35,20 @@ def keeps_focus(page):
     page.wait("document.querySelector('#limits table')", "the explanation", 60)
     check(page.value(FOCUS) == "explain", "the answer leaves the focus, too")
     closed_menus(page)
+    end_of_slider(page)
     page.value("document.querySelector('#reset').click()")
     page.settle()
+
+
+def end_of_slider(page):
+    """Keys at the end of a slider change nothing, and leave nothing to undo."""
+    press(page, "#corner-0-error_max_um-slider", "End")
+    page.settle()
+    past = "accdecPage.state.when = 0, accdecPage.state.history.past.length"  # no step of the last second to join
+    before = page.value(past)
+    for _ in range(2):
+        page.key("ArrowRight", shift=True)
+    check(page.value(past) == before, f"{before} steps to undo, no more")
 
 
 def closed_menus(page):

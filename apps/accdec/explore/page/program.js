@@ -2,6 +2,7 @@
 import { cornerText, openCorner } from "./corner.js";
 import { cornerList } from "./corner_list.js";
 import { $, four, instant, make, table } from "./format.js";
+import { showUndo, undoByKeys } from "./history.js";
 import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
 import { baseName, frozen, Saving } from "./save.js";
@@ -99,7 +100,9 @@ function drawTime() {
   for (const chart of charts.splice(0)) chart.destroy();
   const plan = program.plans[shown.plan],
     before = besides(plan);
-  const ranged = (time) => state.set({ time });
+  let made = false;
+  const ranged = (time) => (made ? state.set({ time }) : state.correct({ time }));
+  setTimeout(() => (made = true));
   const { time } = state.now;
   charts.push(...timeCharts($("#over-time"), program, { plan, before, follow, sample, step, bars, time, ranged }));
 }
@@ -118,7 +121,7 @@ function showMark(i, from) {
   Object.assign(follow, { busy: true, from });
   shown.mark = i;
   tell(i);
-  state.point(i < 0 ? "" : instant(program.plans[shown.plan].t_s[i]));
+  state.correct({ at: i < 0 ? "" : instant(program.plans[shown.plan].t_s[i]) });
   Object.assign(follow, { busy: false, from: null });
 }
 /** By keys: within what is shown of the time. */
@@ -216,9 +219,7 @@ function show(now, before) {
     const corner = now.corner && program.corners[Number(now.corner)];
     openCorner(corner ? cornerTitle(corner) : "", corner ? addressOf(corner) : null);
   }
-  // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
+  showUndo(state.history);
   requestAnimationFrame(() => pointAt(at));
 }
 
@@ -232,11 +233,7 @@ for (const button of document.querySelectorAll("#colour-by button"))
   button.addEventListener("click", () => state.set({ by: button.value === "limit" ? "limit" : "" }));
 $("#undo").addEventListener("click", () => state.undo());
 $("#redo").addEventListener("click", () => state.redo());
-addEventListener("keydown", (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-  event.preventDefault();
-  event.shiftKey ? state.redo() : state.undo();
-});
+undoByKeys(state);
 $("#corner button").addEventListener("click", () => (state.set({ corner: "" }), $("#path canvas").focus()));
 /** This page as one file, with that of the open corner in it. */
 async function pageText(wait) {

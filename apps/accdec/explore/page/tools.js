@@ -1,7 +1,8 @@
 // The buttons of the page.
 import { $, make } from "./format.js";
-import { askJson } from "./requests.js";
+import { undoByKeys } from "./history.js";
 import { printing } from "./paper.js";
+import { askJson } from "./requests.js";
 import { copyTask, exportChoice, savePage } from "./save.js";
 import { explanationTable } from "./tables.js";
 
@@ -49,14 +50,5 @@ export function tools(shared, draw) {
     place.classList.remove("running");
   };
   printing(shared);
-  addEventListener("keydown", (event) => {
-    if (
-      !(event.ctrlKey || event.metaKey) ||
-      event.key.toLowerCase() !== "z" ||
-      event.target.matches("input[type=text]")
-    )
-      return;
-    event.preventDefault();
-    event.shiftKey ? state.redo() : state.undo();
-  });
+  undoByKeys(state);
 }
