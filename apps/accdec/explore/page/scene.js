@@ -36,6 +36,7 @@ export class Scene {
     const corners = [...Array(8).keys()].map((i) => this.turned(spans.map((span, a) => span[(i >> a) & 1])));
     const extent = (way) => 2 * Math.max(1e-6 * this.size, ...corners.map((corner) => Math.abs(corner[way])));
     Object.assign(this, { wide: extent(0), tall: extent(1) });
+    this.canvas.style.aspectRatio = String(Math.min(10, this.wide / this.tall));
     this.homeView = this.numbers().join();
   }
 
