@@ -30,6 +30,27 @@ TEST_F(ProgramBound, ABoundAboveThePlanIsRejected) {
   }
 }
 
+TEST_F(ProgramBound, SaysWhetherItWasFinished) {
+  ASSERT_EQ(plan().code, 0);
+  const Json good = json();
+  Json changes = good;
+  for (Json& bound : changes["bounds"]) {
+    EXPECT_EQ(bound["complete"], true) << bound;
+    bound.erase("complete");
+  }
+  EXPECT_EQ(changed(changes).code, 0) << "as earlier versions wrote it";
+  changes = good;
+  Json& any = changes["bounds"][1];
+  ASSERT_EQ(any["name"], "any motion");
+  any["complete"] = false;
+  EXPECT_THAT(changed(changes).out, HasSubstr("bounds[1].motions"));
+  any["motions"] = any["motions"].get<std::string>() + "; not all of its linear programs solved";
+  EXPECT_EQ(changed(changes).code, 0) << changed(changes).out;
+  changes = good;
+  changes["bounds"][2]["complete"] = false;
+  EXPECT_THAT(changed(changes).out, HasSubstr("bounds[2].complete is recorded as false, found true"));
+}
+
 // Two simulations may find the largest use of a plateau at different samples.
 TEST_F(ProgramBound, APlateauUsedMostAtAnotherSampleIsAccepted) {
   program_ = folder_.write("plateau.ngc",

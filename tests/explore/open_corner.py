@@ -1,8 +1,10 @@
 """A corner of a program's page by itself: by a click, from the list, from the address, in the saved page."""
 import json
+import math
 import time
 
 from looking import check, wait
+from program import Program
 
 
 def click_near(browser, corner):
@@ -13,6 +15,74 @@ def click_near(browser, corner):
                           f" accdecProgram.scene.at({corner}.at_mm))")
     for kind in ("mousePressed", "mouseReleased"):
         browser.page("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], button="left", clickCount=1)
+
+
+def planned_feeds(browser, fixed):
+    """Corners are opened at the feeds of the blocks that meet there, as the result of plan fixed has them."""
+    commands, size = fixed["commands"], len(fixed["commands"]["axes"])
+    points = [commands["points_m"][i:i + size] for i in range(0, len(commands["points_m"]), size)]
+    feeds = [6e4 * math.dist(*points[b:b + 2]) / t for b, t in enumerate(commands["duration_s"])]
+    corners = browser.value("accdecProgram.program.corners")
+    off, slower = 0.0, 0
+    for c in corners:
+        ends = [b for b, line in enumerate(commands["line"][:-1])
+                if line == c["line"] and math.dist(points[b + 1], [x / 1e3 for x in c["at_mm"]]) < 1e-7]
+        asked = [c["corner"]["feed_in_mm_min"], c["corner"]["feed_out_mm_min"]]
+        off = max(off, min(max(abs(asked[i] - feeds[b + i]) for i in (0, 1)) for b in ends))
+        slower += c["planned"] and asked[0] < 0.999 * c["programmed_mm_min"][0]
+    check(off <= 1.1e-3, f"corners have the feeds of plan fixed, within {off:.1g} mm/min")  # rounded down to 0.001
+    check(slower > 0, f"{slower} of {len(corners)} corners are slower than programmed")
+
+
+def today_holds(program, browser):
+    """What holds in the program holds at its corners, or the page says why not."""
+    start = browser.value("accdecProgram.program")
+    base = {**start["base"], "filter": start["base"]["baseline"]}
+    del base["baseline"]
+    rapid = [c["corner"] for c in start["corners"] if max(c["programmed_mm_min"]) > 10000]
+    for corner in rapid[:4]:
+        answer = json.loads(program.post("design", {**base, "corner": [corner]}, format="given")[1])["result"]
+        check("filter" in answer, f"today's filter holds at {corner['name']}, {corner['feed_in_mm_min']} mm/min")
+
+
+def without_corner(accdec, browser, home, task):
+    """A line, and arcs that go on in one direction, are shown like any program."""
+    for name, moves in (("line", "G1 X50"), ("arcs", "G2 X20 Y0 I10 J0\nG3 X40 Y0 I10 J0")):
+        code = home / f"{name}.ngc"
+        code.write_text(f"G21 G90 G17 G64 P0.05 F3000\n{moves}\nM2\n")
+        program = Program(accdec, code, "--task", task, cwd=home)
+        browser.open(program.address)
+        wait(browser, "document.body.classList.contains('ready')", f"a page of {name}")
+        said = browser.value("document.querySelector('#corner-list').textContent")
+        check("no corner to open" in said and browser.value("accdecProgram.program.plans.length") == 2, f"{name}: {said}")
+        browser.open("about:blank")
+        program.end()
+
+
+def lists_all(browser):
+    """Every corner of the program has a link, which keys reach."""
+    count = browser.value("accdecProgram.program.corners.length")
+    links = "document.querySelectorAll('#corner-list a')"
+    check(browser.value(f"{links}.length") == 20 < count, f"the sharpest 20 of {count} at first")
+    browser.value("document.querySelector('#corner-list button').click()")
+    lines = browser.value(f"[...{links}].map(a => Number(a.textContent.split(' ')[1])).sort((a, b) => a - b)")
+    check(lines == browser.value("accdecProgram.program.corners.map(c => c.line)"), f"all {len(lines)} by a button")
+    check(browser.value(f"document.activeElement === {links}[20]"), "the focus goes to the first new one")
+
+
+def stops_exactly(accdec, home, task):
+    """A corner where the program stops, by G61.1 or by a dwell, is one without an error."""
+    code = home / "stops.ngc"
+    code.write_text("G21 G90 F3000 G61.1\nG1 X20\nG64 P0.05 Y20\nG1 X40\nG4 P0.1\nY40\nG64 P0.03 X60\nY60\nM2\n")
+    program = Program(accdec, code, "--task", task, cwd=home)
+    start = json.loads(program.ask("GET", program.path + "start")[1])["program"]
+    found = {c["line"]: (c["stop"], c["corner"].get("error_max_um")) for c in start["corners"]}
+    check(found == {2: (True, 0), 3: (False, 50), 4: (True, 0), 6: (False, 50), 7: (False, 30)},
+          f"exact stops are corners without an error: {found}")
+    exact = next(c["corner"] for c in start["corners"] if c["line"] == 2)
+    answer = json.loads(program.post("design", {**start["base"], "corner": [exact]})[1])
+    check(answer["exact_stop"] and answer["result"]["corners"][0]["corner_error_m"] < 1e-9, "and designed as such")
+    program.end()
 
 
 def opens(browser, home):

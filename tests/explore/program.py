@@ -13,7 +13,7 @@ class Program:
         if not self.address:
             raise RuntimeError(self.process.stderr.read())
         parts = urllib.parse.urlsplit(self.address)
-        self.host, self.path = parts.netloc, parts.path
+        self.host, self.path = parts.netloc, parts.path.rsplit("/", 1)[0] + "/"
         self.port = parts.port
 
     def ask(self, method, path, body=None, headers=None, host=None):

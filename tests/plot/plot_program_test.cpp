@@ -128,6 +128,21 @@ TEST(PlotProgram, ALongThinPathFillsItsPanelAndTheAxisSaysSo) {
   EXPECT_EQ(plot_program(planned("G1 F6000 X50\nX20\n")).panels[0].y.label.find("times"), std::string::npos);
 }
 
+TEST(PlotProgram, APathOfAnyProportionFillsAThirdOfItsPanel) {
+  // A plot that leaves no empty side is 640 px wide and 160 to 390 px high, less the air of 8 px around the path.
+  for (const double height : {1.0, 4.0, 8.0, 20.0, 60.0, 100.0, 150.0, 200.0, 300.0, 500.0, 1000.0, 5000.0}) {
+    const Figure figure = plot_program(planned(fmt::format("G1 F6000 X100\nY{}\nX0\n", height)));
+    const Panel& panel = figure.panels[0];
+    const double wide = *panel.x.max - *panel.x.min, high = *panel.y.max - *panel.y.min;
+    EXPECT_GE(height / high, 1.0 / 3.0) << height;
+    EXPECT_GE(100.0 / wide, 1.0 / 3.0) << height;
+    if (!panel.equal_aspect) continue;
+    const double pixel = std::max(wide / 640.0, high / 390.0), plot = std::max(160.0, high / pixel);
+    EXPECT_GE(100.0 / pixel, 640.0 / 3.0) << height << ": no empty sides";
+    EXPECT_GE(height / pixel, plot / 3.0) << height << ": nor above and below";
+  }
+}
+
 TEST(PlotProgram, TheHistogramCountsEveryCornerOnce) {
   std::ostringstream text;
   generate_program(GeneratedProgram::zigzag, {}, text);

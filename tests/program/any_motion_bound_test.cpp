@@ -22,7 +22,7 @@ using test::FreeCorner;
 using test::machine_of;
 
 double bound_of(const std::string& program, const Machine& m, double period) {
-  return any_motion_bound(test::path_of(program, m), m, period, 60.0);
+  return any_motion_bound(test::path_of(program, m), m, period, 60.0).time;
 }
 
 TEST(AnyMotionBound, IsNotAboveTheFastestFreeMotionAndCloseToIt) {
@@ -77,7 +77,7 @@ TEST(Bounds, FindTheAxesOfTheProgramByTheirNames) {
   m.axes[0].acceleration_max = 1000.0;  // of y
   constexpr double T = 1e-6, closed = 0.6;
   const Toolpath path = test::path_of("G61.1 F6000\nG1 X50\nM2\n", m);
-  const double points = program_lower_bound(path, m, T), any_motion = any_motion_bound(path, m, T, 60.0),
+  const double points = program_lower_bound(path, m, T), any_motion = any_motion_bound(path, m, T, 60.0).time,
                corners = program_corner_bound(path, m, T, 60.0).time;
   for (const double bound : {points, any_motion, corners}) {
     EXPECT_NEAR(bound, closed, 2e-3);
@@ -85,6 +85,16 @@ TEST(Bounds, FindTheAxesOfTheProgramByTheirNames) {
   }
   // A filter slows the feed down in as many taps as 1/(a T/F); the command takes L/F.
   EXPECT_NEAR(filter_lower_bound(path, m, T).value(), closed, 1e-5);
+}
+
+TEST(AnyMotionBound, SaysWhetherItWasFinished) {
+  const Machine m = machine_of(1.0, 50.0);
+  const Toolpath path = test::path_of("G64 P0.05 F6000\nG1 X50\nG1 Y50\nM2\n", m);
+  const AnyMotionBound finished = any_motion_bound(path, m, 1e-3, 60.0), cut = any_motion_bound(path, m, 1e-3, 0.0);
+  EXPECT_TRUE(finished.complete);
+  EXPECT_FALSE(cut.complete);
+  EXPECT_LT(cut.time, finished.time);
+  EXPECT_GE(cut.time, program_lower_bound(path, m, 1e-3));
 }
 
 TEST(AnyMotionBound, IsNotAbovePlansOfRandomPrograms) {
@@ -102,7 +112,7 @@ TEST(AnyMotionBound, IsNotAbovePlansOfRandomPrograms) {
       if (unit(random) < 0.05) text += "G4 P0.1\n";
     }
     const Toolpath path = test::path_of(text + "M2\n", m);
-    const double bound = any_motion_bound(path, m, 1e-3, 5.0);
+    const double bound = any_motion_bound(path, m, 1e-3, 5.0).time;
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     ASSERT_TRUE(plan.holds()) << text;
     const double time = static_cast<double>(plan.check.samples) * 1e-3;

@@ -1,6 +1,7 @@
 #include "program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -21,6 +22,7 @@
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/program.hpp>
 
+#include "machines.hpp"
 #include "requests.hpp"
 
 namespace accdec::explore {
@@ -166,26 +168,65 @@ Eigen::VectorXd direction(const Toolpath& path, std::size_t block) {
   return (to - from).normalized();
 }
 
-/// Joints that turn, as corners of a task, and where they are: those that `accdec program` counts.
-Json corners_json(const Toolpath& path) {
+/// The feeds of one filter at the corners of a program, which a plan passes in their order. It may have chords of its
+/// own, and joints inside blocks.
+class PlannedFeeds {
+ public:
+  explicit PlannedFeeds(const Toolpath* plan) : plan_(plan) {}
+  /// mm/min before and behind the joint after this block of the program; none where the plan has no such corner.
+  std::optional<std::array<double, 2>> at(const Toolpath& path, std::size_t block) {
+    for (std::size_t b = next_; plan_ != nullptr && b + 1 < plan_->blocks(); ++b) {
+      if (plan_->line[b] != path.line[block] || plan_->joint[b] == Joint::straight || !same(path, block, b)) continue;
+      next_ = b + 1;
+      return std::array{rounded_down(block_feed(*plan_, b)), rounded_down(block_feed(*plan_, b + 1))};
+    }
+    return {};
+  }
+
+ private:
+  /// To 0.001 mm/min, and no faster than planned.
+  static double rounded_down(double feed) { return std::floor(1e3 * mm_min * feed + 1e-6) / 1e3; }
+  bool same(const Toolpath& path, std::size_t block, std::size_t of_plan) const {
+    const std::vector<double>& points = plan_->programmed.empty() ? plan_->points : plan_->programmed;
+    const double* const planned = &points[(of_plan + 1) * path.dimensions()];
+    return std::equal(planned, planned + path.dimensions(), path.point(block + 1),
+                      [](double x, double y) { return std::abs(x - y) < 1e-9; });
+  }
+
+  const Toolpath* plan_;
+  std::size_t next_ = 0;
+};
+
+/// Joints that turn, as corners of a task, and where they are: those that `accdec program` counts. They have the feeds
+/// of plan fixed: a task has one filter, too, and the programmed feeds may be too fast for it.
+/// @param fixed  its path; nullptr: that plan does not hold
+Json corners_json(const Toolpath& path, const Toolpath* fixed) {
+  PlannedFeeds planned(fixed);
   Json corners = Json::array();
   const auto list = [](const Eigen::VectorXd& v) { return std::vector<double>(v.begin(), v.end()); };
   for (std::size_t b = 0; b + 1 < path.blocks() && corners.size() < most_program_corners; ++b) {
     if (path.joint[b] == Joint::straight || path.inside_arc[b] != 0) continue;
     const Eigen::VectorXd in = direction(path, b), out = direction(path, b + 1);
     const double angle = 180.0 - std::acos(std::clamp(in.dot(out), -1.0, 1.0)) * 180.0 / M_PI;
+    const std::array programmed{mm_min * block_feed(path, b), mm_min * block_feed(path, b + 1)};
     Json corner{{"name", "N" + std::to_string(path.line[b])},
                 {"direction_in", list(in)},
                 {"direction_out", list(out)},
-                {"feed_in_mm_min", mm_min * block_feed(path, b)},
-                {"feed_out_mm_min", mm_min * block_feed(path, b + 1)}};
-    if (path.tolerance[b] < unlimited) corner["error_max_um"] = um * path.tolerance[b];
+                {"feed_in_mm_min", programmed[0]},
+                {"feed_out_mm_min", programmed[1]}};
+    const auto feeds = planned.at(path, b);
+    if (feeds) corner["feed_in_mm_min"] = (*feeds)[0], corner["feed_out_mm_min"] = (*feeds)[1];
+    // A motion that rests at the corner is one that a delay of the whole filter makes.
+    const double tolerance = path.joint[b] == Joint::stop ? 0.0 : path.tolerance[b];
+    if (tolerance < unlimited) corner["error_max_um"] = um * tolerance;
     std::vector<double> at(path.point(b + 1), path.point(b + 1) + path.dimensions());
     for (double& x : at) x = rounded(mm * x);
     corners.push_back({{"line", path.line[b]},
                        {"angle_deg", angle},
                        {"at_mm", at},
                        {"stop", path.joint[b] == Joint::stop},
+                       {"programmed_mm_min", programmed},
+                       {"planned", feeds.has_value()},
                        {"corner", std::move(corner)}});
   }
   return corners;
@@ -210,6 +251,15 @@ Json base_of(Task task, const Toolpath& path) {
   return json;
 }
 
+/// The corner that turns most; where there is none, a task to begin with.
+Task first_task(const Json& program, const std::string& name) {
+  const Json& corners = program["corners"];
+  if (corners.empty()) return parse_task(cli::machine_file(cli::first_machine).text, std::string(cli::first_machine));
+  Json task = program["base"];
+  task["corner"] = Json::array({(*std::min_element(corners.begin(), corners.end(), sharper))["corner"]});
+  return parse_task_json(task.dump(), name);
+}
+
 }  // namespace
 
 std::string program_start_json(const std::string& name, const Task& task, double free_seconds,
@@ -231,13 +281,11 @@ std::string program_start_json(const std::string& name, const Task& task, double
   program["other"] = binding_name(-1);
   const std::vector<ProgramResult> plans = plans_of(name, file, task, free_seconds, tell);
   for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan));
-  program["corners"] = corners_json(path);
+  const auto fixed =
+      std::find_if(plans.begin(), plans.end(), [](const auto& p) { return p.plan.command() != nullptr; });
+  program["corners"] = corners_json(path, fixed == plans.end() ? nullptr : &fixed->plan.path);
   program["base"] = base_of(task, path);
-  if (program["corners"].empty()) throw std::invalid_argument(name + " has no corner to explore");
-  const auto sharpest = std::min_element(program["corners"].begin(), program["corners"].end(), sharper);
-  Json first = program["base"];
-  first["corner"] = Json::array({(*sharpest)["corner"]});
-  std::string start = start_json(parse_task_json(first.dump(), name), name);
+  std::string start = start_json(first_task(program, name), name);
   start.pop_back();  // its closing brace
   return start + ", \"program\": " + program.dump(-1, ' ', false, Json::error_handler_t::replace) + "}";
 }

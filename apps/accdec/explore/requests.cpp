@@ -47,6 +47,10 @@ Task task_of(const Question& question) {
   // Whoever may ask for designs must not have the program open files: a page sends the controller itself.
   Task task = parse_task_json(question.body, "task", {.response = Considered::all, .controller_files = false});
   require_small(task.corners.size());
+  if (task.filter && make_filter(*task.filter).order() >= most_taps)
+    throw std::invalid_argument(fmt::format(
+        "the filter has more than {} taps, the most that the explorer computes with: accdec design takes any number",
+        most_taps));
   return task;
 }
 
@@ -69,6 +73,17 @@ Json settings_json(const FilterSpec& spec, double period_ms) {
   return settings;
 }
 
+/// A place for the motion at every corner. That of one is there, others are asked for when they are shown: all of them
+/// may be a hundred megabytes.
+Json views_json(const DesignResult& result, const Question& question, const Deadline& deadline) {
+  constexpr int drawn_at_once = 2000;  // taps: 50 ms
+  Json views(result.corners.size(), nullptr);
+  const int order = result.filter ? result.filter->order() : longest_drawn;
+  const bool now = order < drawn_at_once || (order < longest_drawn && !deadline.over());
+  if (now && question.corner < views.size()) views[question.corner] = view_json(result, question.corner);
+  return views;
+}
+
 Answer design(const Question& question) {
   const Deadline deadline(question.seconds);
   Task task = task_of(question);
@@ -85,7 +100,7 @@ Answer design(const Question& question) {
   const ReportTable corners = corner_report(result);
   result.certificate.reset();  // thousands of numbers that the page would not read
   Json said{{"proof", proof},
-            {"views", views_json(result)},
+            {"views", views_json(result, question, deadline)},
             {"setting", settings_answer(result)},
             {"exact_stop", result.filter && stops_exactly(result)},
             {"corners", {{"head", corners.head}, {"rows", corners.rows}}}};
@@ -152,13 +167,14 @@ Answer export_file(const Question& question) {
   return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
 }
 
-/// Why the tasks of a list cannot be designed; null for those that can.
+/// Why the tasks of a list cannot be designed; null for those that can. The list ends where the time is over.
 Answer check(const Question& question) {
   if (json_too_deep(question.body)) return problem(400, "brackets nest more than 64 deep; no list of tasks does");
   const Json tasks = Json::parse(question.body, nullptr, false);
   if (!tasks.is_array()) return problem(400, "not a list of tasks");
   // Cancelled before it begins: what a design refuses is refused, nothing is searched.
   const std::atomic<bool> enough = true;
+  const Deadline deadline(question.seconds);
   Json reasons = Json::array();
   for (const Json& one : tasks) {
     const std::string text = one.dump();
@@ -169,7 +185,7 @@ Answer check(const Question& question) {
     } catch (const std::exception& error) {
       reasons.push_back(error.what());
     }
-    if (question.cancel != nullptr && question.cancel->load()) break;
+    if (deadline.over() || (question.cancel != nullptr && question.cancel->load())) break;
   }
   return {200, "application/json", dumped(reasons)};
 }
@@ -205,6 +221,8 @@ Json key_json(const Key& key) {
 
 Answer answer_unguarded(const Question& question) {
   if (question.name == "design") return design(question);
+  if (question.name == "view")
+    return {200, "application/json", dumped(view_json(parse_result(question.body, "result"), question.corner))};
   if (question.name == "families") return compare_families(question);
   if (question.name == "explain") return explain(question);
   if (question.name == "check") return check(question);

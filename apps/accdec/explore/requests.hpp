@@ -12,15 +12,17 @@ namespace accdec::explore {
 
 /// One question of the page. Everything is text, so that a page with the library inside could ask in the same way.
 struct Question {
-  std::string_view name;    ///< "design", "families", "explain", "check", "export" or "file"
-  std::string_view body;    ///< the task as JSON; check: a list of tasks; for an export of taps a result
+  std::string_view name;    ///< "design", "view", "families", "explain", "check", "export" or "file"
+  std::string_view body;    ///< the task as JSON; check: a list of tasks; view, and export of taps: a result
   std::string_view format;  ///< export: one of `taps_formats`, or "result"; design: "given"
+  std::size_t corner = 0;   ///< design, view: the one whose motion is drawn
   double seconds = 1.0;     ///< for the whole answer; at most `most_seconds`
   const std::atomic<bool>* cancel = nullptr;  ///< true: the answer is not wanted any more
 };
 inline constexpr double most_seconds = 60.0;
 /// The page draws every corner; tasks with more are for `accdec design`.
 inline constexpr std::size_t most_corners = 200;
+inline constexpr int most_taps = 100'000;  ///< of a given filter: an answer of 2.5 MB in half a second
 
 struct Answer {
   int status = 200;  ///< as HTTP has it; from 400 on the text is {"error": ".."}
@@ -31,10 +33,11 @@ struct Answer {
 /// Answers a question; errors of any kind are answers, too.
 ///
 /// The answer to "design" is an object. Its result is as `accdec design --json`, without the proof. It also says
-/// whether that proof was rechecked. It has the motion at every corner, and the setting in the words of the control.
-/// The answer to "families" has the best member of each family that controllers have. The answer to "explain" is that
-/// of `accdec explain --json`. The answer to "check" has, for each task, why it cannot be designed, or null. The answer
-/// to "export" is a file, that to "file" the task as a task file.
+/// whether that proof was rechecked. It has the motion at the corner asked for, and the setting in the words of the
+/// control. Its list of `views` has null for other corners, and for this one if a long filter left no time. The answer
+/// to "view" is such a motion. The answer to "families" has the best member of each family that controllers have. The
+/// answer to "explain" is that of `accdec explain --json`. The answer to "check" has, for each task it had time
+/// for, why that cannot be designed, or null. The answer to "export" is a file, that to "file" the task as a task file.
 Answer answer(const Question& question);
 
 /// The page begins with this: the task, every key of a task, the shipped tasks, the formats of exports.

@@ -1,25 +1,23 @@
 #include "server.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <thread>
 
-#include <sys/random.h>
 #include <sys/socket.h>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 
+#include "admission.hpp"
+#include "computing.hpp"
 #include "connection.hpp"
 
 namespace accdec::explore {
@@ -27,80 +25,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t threads = 256, most_pages = 8, most_computing = 8;
+constexpr std::size_t threads = 256, most_pages = 8;
 constexpr int most_waiting = 256;  ///< connections that no thread has taken yet
 constexpr auto closed_for = 5s;    ///< a page that is loaded again is back sooner
 
-std::string random_token() {
-  std::array<unsigned char, 16> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("the system has no random numbers for the address");
-  std::string token;
-  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-  return token;
-}
-
-/// Compares in a time that does not depend on where they differ.
-bool same(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned char difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned char>(a[i] ^ b[i]);
-  return difference == 0;
-}
-
-/// Questions that are being answered, by page and kind.
-class Computing {
- public:
-  using Flag = std::shared_ptr<std::atomic<bool>>;
-  /// Cancels what computes there. Null if there is too much to do already.
-  Flag enter(const std::string& place) {
-    const std::lock_guard lock(mutex_);
-    if (const auto before = flags_.find(place); before != flags_.end()) before->second->store(true);
-    if (ended_ || count_ >= most_computing) return nullptr;
-    ++count_;
-    return flags_[place] = std::make_shared<std::atomic<bool>>(false);
-  }
-  void leave(const std::string& place, const Flag& flag) {
-    const std::lock_guard lock(mutex_);
-    --count_;
-    if (const auto now = flags_.find(place); now != flags_.end() && now->second == flag) flags_.erase(now);
-  }
-  /// Cancels what computes for this page in this slot, whatever the question.
-  void cancel(const std::string& client, const std::string& slot) {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [place, flag] : flags_) {
-      if (place.compare(0, client.size() + 1, client + "\n") == 0 && place.size() > slot.size() &&
-          place.compare(place.size() - slot.size() - 1, std::string::npos, "\n" + slot) == 0)
-        flag->store(true);
-    }
-  }
-  void end() {
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-    for (const auto& [place, flag] : flags_) flag->store(true);
-  }
-
- private:
-  std::mutex mutex_;
-  std::map<std::string, Flag> flags_;
-  std::size_t count_ = 0;
-  bool ended_ = false;
-};
-
-/// Null if the request has no time that is allowed.
-std::optional<double> seconds_of(const httplib::Request& request) {
-  if (!request.has_param("seconds")) return 1.0;
-  const std::string text = request.get_param_value("seconds");
-  const char* const last = text.data() + text.size();
-  double seconds = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), last, seconds);
-  if (error != std::errc() || end != last || !(seconds > 0.0 && seconds <= most_seconds)) return {};
-  return seconds;
-}
-
 class PageServer : public httplib::Server {
  public:
-  explicit PageServer(const Served& served) : served_(served), token_(random_token()) {
+  explicit PageServer(const Served& served) : served_(served) {
     new_task_queue = [] { return new httplib::ThreadPool(threads); };
     set_payload_max_length(Connection::body_bytes);
     set_default_headers({{"Cache-Control", "no-store"},
@@ -116,8 +47,8 @@ class PageServer : public httplib::Server {
       if (response.body.empty()) refuse(response, {response.status, words(response.status)});
     });
     set_pre_routing_handler([this](const auto& request, auto& response) { return admit(request, response); });
-    for (const char* const name : {"design", "families", "explain", "check", "export", "file"}) {
-      Post("/" + token_ + "/" + name,
+    for (const char* const name : {"design", "view", "families", "explain", "check", "export", "file"}) {
+      Post("/" + admission_.token() + "/" + name,
            [this, name](const auto& request, auto& response) { compute(name, request, response); });
     }
     int listening = -1;
@@ -127,7 +58,7 @@ class PageServer : public httplib::Server {
     ::listen(listening, most_waiting);  // the library's five are fewer than the files of a page
   }
 
-  std::string address() const { return fmt::format("http://127.0.0.1:{}/{}/", port_, token_); }
+  std::string address() const { return fmt::format("http://127.0.0.1:{}/{}/", port_, admission_.token()); }
 
   /// Whether a page was open and none is open now. While all threads are taken a page may wait for one.
   bool left_alone() {
@@ -149,10 +80,6 @@ class PageServer : public httplib::Server {
  private:
   using Taken = httplib::Server::HandlerResponse;
 
-  struct Refusal {
-    int status;
-    const char* why;
-  };
   static const char* words(int status) {
     switch (status) {
       case 400: return "not a request of HTTP";
@@ -168,34 +95,16 @@ class PageServer : public httplib::Server {
     return Taken::Handled;
   }
 
-  /// Why a request is not the page's own, from its head alone.
-  std::optional<Refusal> refusal(const httplib::Request& request) const {
-    const std::string host = fmt::format("127.0.0.1:{}", port_);
-    if (request.get_header_value_count("Host") != 1 || request.get_header_value("Host") != host)
-      return Refusal{403, "another host"};
-    const std::size_t origins = request.get_header_value_count("Origin");
-    if (origins > 1 || (origins == 1 && request.get_header_value("Origin") != "http://" + host))
-      return Refusal{403, "another origin"};
-    const std::string_view path = request.path;
-    if (path.size() < token_.size() + 2 || path[0] != '/' || path[token_.size() + 1] != '/' ||
-        !same(path.substr(1, token_.size()), token_))
-      return Refusal{403, "the address lacks its token"};
-    if (request.method == "GET") return {};
-    if (request.method != "POST") return Refusal{405, "only GET and POST"};
-    if (request.get_header_value("Content-Type") != "application/json" || request.has_header("Content-Encoding"))
-      return Refusal{415, "only plain application/json"};
-    return {};
-  }
-
   /// Before a body is read. GET is answered here, too.
   Taken admit(const httplib::Request& request, httplib::Response& response) {
-    if (const auto refused = refusal(request)) return refuse(response, *refused);
+    if (const auto refused = admission_.refusal(request, port_)) return refuse(response, *refused);
     {
       const std::lock_guard lock(mutex_);
       last_sign_ = std::chrono::steady_clock::now();
     }
-    return request.method == "GET" ? fetch(std::string_view(request.path).substr(token_.size() + 2), response)
-                                   : Taken::Unhandled;
+    return request.method == "GET"
+               ? fetch(std::string_view(request.path).substr(admission_.token().size() + 2), response)
+               : Taken::Unhandled;
   }
 
   Taken fetch(std::string_view name, httplib::Response& response) {
@@ -239,6 +148,11 @@ class PageServer : public httplib::Server {
       refuse(response, {400, "`seconds` is no time; allowed is 0 < seconds <= 60"});
       return;
     }
+    const std::optional<std::size_t> corner = corner_of(request);
+    if (!corner) {
+      refuse(response, {400, "`corner` is no whole number from 0 on"});
+      return;
+    }
     const std::string slot = request.get_param_value("slot");
     for (std::size_t i = 0; i < request.get_param_value_count("ends"); ++i)
       computing_.cancel(request.get_param_value("client"), request.get_param_value("ends", i));
@@ -249,7 +163,7 @@ class PageServer : public httplib::Server {
       return;
     }
     const std::string format = request.get_param_value("format");
-    const Answer given = served_.answer({name, request.body, format, *seconds, flag.get()});
+    const Answer given = served_.answer({name, request.body, format, *corner, *seconds, flag.get()});
     computing_.leave(place, flag);
     response.status = given.status;
     response.set_content(given.text, given.type);
@@ -277,7 +191,7 @@ class PageServer : public httplib::Server {
         // Compressing costs more time than the few kilobytes take between two processes.
         request.headers.erase("Accept-Encoding");
         // A refused body is not read; it must not be taken for the next request.
-        closed = closed || refusal(request).has_value();
+        closed = closed || admission_.refusal(request, port_).has_value();
         if (!closed) connection.expect_body();
       });
       closed = closed || connection.failed();
@@ -289,7 +203,7 @@ class PageServer : public httplib::Server {
   }
 
   const Served& served_;
-  std::string token_;
+  const Admission admission_;
   int port_ = 0;
   Computing computing_;
   std::mutex mutex_;

@@ -104,7 +104,8 @@ py::list estimate_list(const Program& r) {
 py::list bound_list(const Program& r) {
   py::list list;
   for (const NamedBound& b : bounds_of(r))
-    list.append(py::dict(py::arg("name") = b.name, py::arg("time") = b.time, py::arg("motions") = b.motions));
+    list.append(py::dict(py::arg("name") = b.name, py::arg("time") = b.time, py::arg("motions") = b.motions,
+                         py::arg("complete") = b.complete));
   return list;
 }
 
@@ -113,7 +114,8 @@ std::string describe_program(const Program& r) {
       fmt::format("<accdec.Program {}: {}, {:.6g} s", r.program,
                   r.plan.empty() ? std::string("no plan") : fmt::format("plan {}", r.plan.name()), r.cycle_time);
   if (!r.verification.feasible) text += ", not verified";
-  for (const NamedBound& b : bounds_of(r)) text += fmt::format("; at least {:.6g} s ({})", b.time, b.name);
+  for (const NamedBound& b : bounds_of(r))
+    text += fmt::format("; at least {:.6g} s ({}{})", b.time, b.name, b.complete ? "" : ", not finished");
   return text + ">";
 }
 
@@ -218,7 +220,8 @@ fun, cycle_time : float
 lower_bound : float
     s, way over feed; no motion that passes every corner within its tolerance is shorter, wherever it is between them.
 bounds : list of dict
-    Times that no motion of a class undercuts, the widest class first: name, time (s), motions (the class in words).
+    Times that no motion of a class undercuts, the widest class first: name, time (s), motions (the class in words),
+    complete (False: cut short by the time; a finished bound may be larger).
 estimates : list of dict
     One for each control asked for: control, time (s), parameters (by their names, in the control's own units),
     not_known (what the control does not know, in words).

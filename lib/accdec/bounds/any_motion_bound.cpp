@@ -50,12 +50,18 @@ struct WorkLeft {
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   std::size_t programs = 0, plane_programs_left = 0;
   double kernel_work_left = 0.0;
-  bool time() const { return seconds_since(start) < time_limit; }
+  bool complete = true;
+  /// Whether work that is wanted may be done, where its number allows it.
+  bool more(bool number) {
+    const bool left = number && seconds_since(start) < time_limit;
+    complete = complete && left;
+    return left;
+  }
 };
 
-class AnyMotionBound {
+class MotionBound {
  public:
-  AnyMotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool planes)
+  MotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool planes)
       : path_(path),
         machine_(machine),
         work_{.time_limit = time_limit,
@@ -63,8 +69,9 @@ class AnyMotionBound {
               .kernel_work_left = planes ? kernel_work_max : 0.1 * kernel_work_max},
         slack_(spline_slack(machine, sample_period)),
         swing_times_(machine, path.dimensions()),
+        tries_planes_(planes),
         planes_(machine, path.dimensions(),
-                [this] { return work_.plane_programs_left > 0 && work_.plane_programs_left-- > 0 && work_.time(); }) {
+                [this] { return work_.more(work_.plane_programs_left > 0 && work_.plane_programs_left-- > 0); }) {
     slack_.wider += path.narrowed;
     make_tube();
   }
@@ -80,6 +87,7 @@ class AnyMotionBound {
     }
     return time;
   }
+  bool complete() const { return work_.complete; }
 
  private:
   using Key = std::vector<std::int64_t>;
@@ -173,9 +181,9 @@ class AnyMotionBound {
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
     best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, &swing_times_));
-    const auto time_left = [this] { return work_.time(); };
+    const auto time_left = [this] { return work_.more(true); };
     best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.kernel_work_left, time_left));
-    if (work_.plane_programs_left == 0) return rounding * best;
+    if (!tries_planes_ || !work_.more(work_.plane_programs_left > 0)) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
     return rounding * std::max(best, planes_.time(legs));
@@ -212,7 +220,7 @@ class AnyMotionBound {
   static double window_of(const Leg& leg, int cell) {
     return cell == none ? 0.0 : leg.reach * std::pow(cell_ratio, -cell) * (1.0 - 1e-12);
   }
-  bool more() const { return work_.programs < programs_max && work_.time(); }
+  bool more() { return work_.more(work_.programs < programs_max); }
 
   static void append(const TubeLeg& leg, double reach, int cell, Key& key) {
     for (const double value : leg.direction) key.push_back(std::llround(value * 1e9));
@@ -261,16 +269,19 @@ class AnyMotionBound {
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
+  const bool tries_planes_;
   PlaneBound planes_;
 };
 
 }  // namespace
 
-double any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period, double time_limit,
-                        bool planes) {
+AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period,
+                                double time_limit, bool planes) {
   const Machine machine = program_machine(task_machine, path);
   const double points = program_lower_bound(path, machine, sample_period);
-  return std::max(points, AnyMotionBound(path, machine, sample_period, time_limit, planes).bound());
+  MotionBound motions(path, machine, sample_period, time_limit, planes);
+  const double time = std::max(points, motions.bound());
+  return {time, motions.complete()};
 }
 
 }  // namespace accdec

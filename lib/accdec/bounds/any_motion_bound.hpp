@@ -5,8 +5,14 @@
 
 namespace accdec {
 
-/// A time that no motion of a program undercuts, whatever plans it, s. Other than corner_bound, it does not ask how a
-/// motion is made: it may swing out before a corner, and its axes need not be monotone.
+/// A time that no motion of a program undercuts, whatever plans it.
+struct AnyMotionBound {
+  double time = 0.0;     ///< s
+  bool complete = true;  ///< false if linear programs or time ran out: what was left counts as if it cost nothing
+};
+
+/// Other than corner_bound, this bound does not ask how a motion is made: it may swing out before a corner, and its
+/// axes need not be monotone.
 ///
 /// The motion rests at both ends and at stops. It passes every other joint within its tolerance. Between two joints it
 /// stays as near to their leg as the larger of their tolerances (0 at stops). It is no faster than the programmed feed,
@@ -32,10 +38,9 @@ namespace accdec {
 ///
 /// Samples at T stand for a continuous motion, as in corner_bound. So one period (two with a jerk limit) is taken off
 /// for every section between stops, and tolerances are widened.
-/// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs;
-/// corners left over count as if they cost nothing
+/// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs
 /// @param planes  whether planes are tried where corners are close: some thousand linear programs, seconds
-double any_motion_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit,
-                        bool planes = true);
+AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit,
+                                bool planes = true);
 
 }  // namespace accdec

@@ -149,7 +149,8 @@ std::string bounds_in_title(const ProgramResult& result) {
   const std::vector<NamedBound> bounds = bounds_of(result);
   std::string text;
   for (std::size_t i = bounds.size() > 1 ? 1 : 0; i < bounds.size(); ++i)
-    text += fmt::format("{}{:.5g} s ({})", text.empty() ? "; at least " : ", ", bounds[i].time, bounds[i].name);
+    text += fmt::format("{}{:.5g} s ({}{})", text.empty() ? "; at least " : ", ", bounds[i].time, bounds[i].name,
+                        bounds[i].complete ? "" : ", not finished");
   return text;
 }
 

@@ -151,13 +151,13 @@ ProgramView whole_view(const Toolpath& path, ViewFrom from) {
 }
 
 ProgramView stretched(ProgramView view) {
-  constexpr double thin = 1.0 / 6.0, straight = 200.0;
+  constexpr double thin = 1.0 / 3.0, straight = 200.0;
   if (view.names[0] == view.names[1]) return view;
   const std::array<double, 2> room{view_width, view.height};
   for (std::size_t a = 0; a < 2; ++a) {
     const double pixels = (view.high[a] - view.low[a]) / view.pixel;
     if (!(pixels < thin * room[a]) || !(pixels * straight > room[a])) continue;
-    for (const double factor : {5.0, 10.0, 20.0, 50.0, 100.0}) {
+    for (const double factor : {2.0, 3.0, 4.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
       if (factor * pixels <= room[a]) view.stretch[a] = factor;
     }
     for (double& part : view.rows[a]) part *= view.stretch[a];

@@ -43,8 +43,8 @@ struct ProgramView {
 
 /// The whole path.
 ProgramView whole_view(const Toolpath& path, ViewFrom from = ViewFrom::automatic);
-/// A long and thin path would be a line in the middle of its plot: the view with its short axis stretched by 5, 10, 20,
-/// 50 or 100. Others, straight and isometric ones are left as they are.
+/// A long and thin path would leave empty sides beside it. If it fills less than a third of its plot's width or height,
+/// the view has its short axis stretched by a round number, 2 to 100. Straight and isometric ones are left as they are.
 ProgramView stretched(ProgramView view);
 /// A window a quarter as wide and as high (half along a stretched axis), around as many of the places as it can hold.
 ProgramView enlarged(const ProgramView& view, const std::vector<std::array<double, 2>>& places);

@@ -40,9 +40,10 @@ struct SampleCheck {
 /// A lower bound on the time of motions that are sums of monotone legs, one a block. It holds if no other leg moves
 /// when the motion is fastest on a leg that counts. A free motion may be faster, see `any_motion`.
 struct CornerBound {
-  double time = 0.0;        ///< s
-  double any_motion = 0.0;  ///< s, that of any motion within the tolerances; 0: not asked for
-  std::size_t corners = 0;  ///< joints that turn
+  double time = 0.0;                ///< s
+  double any_motion = 0.0;          ///< s, that of any motion within the tolerances; 0: not asked for
+  bool any_motion_complete = true;  ///< as `complete`
+  std::size_t corners = 0;          ///< joints that turn
   std::size_t counted = 0;  ///< of these, joints whose legs are longer than cutting their corners needs; the others
                             ///< cost nothing
   std::size_t classes = 0;  ///< linear programs solved

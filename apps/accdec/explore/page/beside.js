@@ -18,11 +18,11 @@ function wanted(task, families, { beside }) {
 }
 
 export class Beside {
-  /** draw(): called where another filter, or its answer, is to be drawn. */
-  constructor(draw) {
+  /** draw(): called where another filter, or its answer, is to be drawn; corner(): the index of the one shown. */
+  constructor(draw, corner) {
     Object.assign(this, { draw, family: null, answer: null });
     this.member = new Latest(
-      (task) => askJson("design", task, { seconds: 2, slot: "member", format: "given" }),
+      (task) => askJson("design", task, { seconds: 2, slot: "member", format: "given", corner: corner() }),
       (answer) => {
         this.answer = answer;
         draw();

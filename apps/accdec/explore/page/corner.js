@@ -11,5 +11,5 @@ export function openCorner(title, address) {
   place.querySelector("a").href = address ?? "";
 }
 
-/** The open corner as one file, or null. */
-export const cornerText = () => $("#corner iframe")?.contentWindow.accdecPage?.pageText() ?? null;
+/** The open corner as one file, or null. @param wait  see pageText of save.js */
+export const cornerText = (wait) => $("#corner iframe")?.contentWindow.accdecPage?.pageText(wait) ?? null;

@@ -4,16 +4,19 @@ import { Controls } from "./controls.js";
 import { Chart } from "./curves.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
+import { showUndo } from "./history.js";
 import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
-import { Latest, askJson, begin, stayAlive } from "./requests.js";
+import { better, hurried, unfinished } from "./proof.js";
+import { Latest, askJson, begin, latency, stayAlive } from "./requests.js";
 import { pageText } from "./save.js";
 import { State } from "./state.js";
 import { summary } from "./summary.js";
 import { brief, cornerButtons, cornerTable, familyTable, tapTable, todayText } from "./tables.js";
 import { tools } from "./tools.js";
+import { Views } from "./views.js";
 
-const page = { design: null, families: null, today: null };
+const page = { design: null, families: null, today: null, planned: "" };
 const delays = (result) => result.corners.map((c) => c.delay_samples);
 const textOf = (task) => JSON.stringify(task);
 /** Whether the design shown is of this task. While it is not, curves wait for it: they are drawn once. */
@@ -24,21 +27,31 @@ const found = (answer) => (answer?.result.filter ? answer : null);
 stayAlive((gone) => document.body.classList.toggle("gone", gone));
 const start = await begin();
 const shared = (globalThis.accdecPage = { start, state: null, page, note });
-shared.pageText = () => pageText(shared);
-/** Whether an answer is under way that replaces what is drawn. A longer search for a proof is not. */
-shared.busy = () => [design, families, thorough, today, beside.member].some((one) => one.busy || one.next);
+shared.pageText = (wait) => pageText(shared, wait);
+/** Answers under way that replace what is drawn, in words. */
+shared.awaited = () => {
+  const drawn = [today, beside.member, views.latest, viewsBefore.latest];
+  const asked = { "the design": [design], "a longer search": [longer], "the families": [families, thorough], "what is drawn": drawn };
+  return Object.keys(asked).filter((name) => asked[name].some((one) => one.busy || one.next));
+};
 const state = (shared.state = new State(start.task, changed, chosen));
-const beside = new Beside(() => draw(settled()));
+/** The task as a program's page opened it, with the feeds that its plan passes the corner at. */
+if (state.choices.planned) page.planned = textOf(state.task);
+const corner = () => state.choices.corner ?? 0;
+const beside = new Beside(() => draw(settled()), corner);
+const views = new Views("view", () => draw(), (error) => (trouble(`Not drawn: ${error.message}`), draw()));
+const viewsBefore = new Views("before", () => draw(), () => {});
 const refusals = (tasks) => askJson("check", tasks, { slot: "check" }).catch(() => null);
 const controls = new Controls($("#controls"), start.keys, state, refusals);
 const motion = new Motion($("#motion"));
 const filters = new FilterCharts($("#taps"), $("#response"));
 const off = new Chart($("#off"), { height: 290, between: true });
 
-function note(text) {
+/** For as long as it takes to read; lasting: until the next one. */
+function note(text, lasting = false) {
   $("#note").textContent = text;
   clearTimeout(note.timer);
-  note.timer = setTimeout(() => ($("#note").textContent = ""), 4000);
+  if (!lasting) note.timer = setTimeout(() => ($("#note").textContent = ""), 4000 + 100 * text.length);
 }
 
 function trouble(text) {
@@ -50,16 +63,23 @@ if (state.broken) note("The address holds no task that can be read: this is the 
 // --- questions ---
 
 // The first attempt at a proof has a share of the time; it must do on a busy machine, too.
+const moment = 0.6; // s
 const design = new Latest(
-  (task) => askJson("design", task, { seconds: 0.6 }),
+  (task) => askJson("design", task, { seconds: moment, corner: corner() }),
   (answer, task) => {
     showDesign(answer, task);
-    if (answer.result.stop === "time limit") longer.put(task);
+    latency("design");
+    if (unfinished(answer)) longer.put(task);
+    else if (hurried(answer, moment)) setTimeout(() => settled() && page.design.of === textOf(task) && longer.put(task), 300);
   },
   fail,
 );
 // A design that is not proved in a moment gets more time, until the task changes.
-const longer = new Latest((task) => askJson("design", task, { seconds: 20, slot: "longer" }), showDesign, fail);
+const longer = new Latest(
+  (task) => askJson("design", task, { seconds: 20, slot: "longer", corner: corner() }),
+  showDesign,
+  fail,
+);
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
   (task) => askJson("families", task, { seconds: 0.015, ends: ["longer", "thorough"] }),
@@ -76,7 +96,13 @@ const thorough = new Latest(
   () => {},
 );
 const today = new Latest(
-  (task) => askJson("design", withFilter(task, filterOfToday(task)), { seconds: 2, slot: "today", format: "given" }),
+  (task) =>
+    askJson("design", withFilter(task, filterOfToday(task)), {
+      seconds: 2,
+      slot: "today",
+      format: "given",
+      corner: corner(),
+    }),
   (answer, task) => {
     page.today = { ...answer, of: textOf(task) };
     draw(settled());
@@ -104,22 +130,16 @@ function changed(structure) {
   ask();
   if (structure) controls.build();
   else controls.update();
-  undoable();
+  showUndo(state.history);
   shared.named?.();
 }
 
 /** The same task is shown otherwise. */
 function chosen() {
-  undoable();
+  showUndo(state.history);
   $("#whole").checked = Boolean(state.choices.whole);
   if (page.families) beside.choose(state.task, page.families.families, state.choices);
   draw();
-}
-
-function undoable() {
-  // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
 }
 
 function ask() {
@@ -138,12 +158,13 @@ function askRest(task) {
 // --- answers ---
 
 function showDesign(answer, task) {
-  page.design = { ...answer, of: textOf(task) };
+  const next = { ...answer, of: textOf(task) };
+  if (!better(next, page.design)) return draw(false);
+  page.design = next;
   trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
   document.body.classList.toggle("failed", !answer.result.filter);
   if (JSON.stringify(task) === JSON.stringify(state.task)) document.body.classList.remove("stale");
   draw();
-  latency("design");
   // The families that take longer do not hold up the proof.
   const { of, complete } = page.families ?? {};
   if (of === page.design.of && !complete && showDesign.thorough !== of) {
@@ -166,14 +187,6 @@ function showFamilies(answer, task) {
   draw(false);
 }
 
-/** ms from the last change to the drawn answer, for who measures. */
-function latency(name) {
-  requestAnimationFrame(() => {
-    const from = performance.getEntriesByName("changed").at(-1)?.startTime ?? 0;
-    ((globalThis.accdecLatency ??= {})[name] ??= []).push(performance.now() - from);
-  });
-}
-
 // --- drawing: once a frame, whatever has come ---
 
 /** @param curves  false where only tables have changed */
@@ -187,23 +200,25 @@ const compared = () => found(beside.family ? beside.answer : page.today);
 
 function drawNow() {
   const answer = found(page.design);
+  page.searching = Boolean(longer.busy || longer.next);
   summary(page);
   if (page.design) document.body.classList.add("ready");
   drawFamilies();
   if (!answer || !draw.curves) return;
   draw.curves = false;
   document.body.classList.add("drawn");
-  const { result, views } = answer;
+  const { result } = answer;
   const before = compared();
-  const i = Math.min(state.choices.corner ?? 0, result.task.corner.length - 1);
+  const i = Math.min(corner(), result.task.corner.length - 1);
   cornerButtons($("#corners"), result, i, (corner) => state.choose({ corner }));
   const period = result.sample_period_s * 1e3;
   $("#beside").textContent = !before ? "(nothing to compare with)" : beside.family ? brief(beside.family.title) : "today";
   $("#corner-table .wide").replaceChildren(cornerTable(answer.corners));
   if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
   filters.show(result, before?.result.filter);
-  const view = views[i],
-    old = before?.views[i];
+  const view = views.of(answer, i),
+    old = viewsBefore.of(before, i);
+  for (const place of ["#path", "#off", "#motion"]) $(place).hidden = view === false;
   if (!view) return;
   const tolerance = result.task.corner[i].error_max_um ?? null;
   drawPath(

@@ -4,8 +4,8 @@ const client = Math.random().toString(36).slice(2);
 
 export class Superseded extends Error {}
 
-async function post(name, body, { slot = "", seconds = 1, format = "", ends = [] } = {}) {
-  const query = new URLSearchParams({ client, slot, seconds, format });
+async function post(name, body, { slot = "", seconds = 1, format = "", corner = 0, ends = [] } = {}) {
+  const query = new URLSearchParams({ client, slot, seconds, format, corner });
   // Slots whose questions are about an older task: the program gives up on them.
   for (const one of ends) query.append("ends", one);
   let response;
@@ -36,6 +36,14 @@ export const askJson = async (name, body, options) => (await post(name, body, op
 export const askText = async (name, body, options) => (await post(name, body, options)).text();
 export const askBlob = async (name, body, options) => (await post(name, body, options)).blob();
 export const begin = async () => (await fetch("start")).json();
+
+/** ms from the last change to the drawn answer, for who measures. */
+export function latency(name) {
+  requestAnimationFrame(() => {
+    const from = performance.getEntriesByName("changed").at(-1)?.startTime ?? 0;
+    ((globalThis.accdecLatency ??= {})[name] ??= []).push(performance.now() - from);
+  });
+}
 
 /**
  * Asks about the latest value only. While an answer is under way the next question waits, but not longer than

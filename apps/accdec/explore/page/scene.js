@@ -36,6 +36,7 @@ export class Scene {
     const corners = [...Array(8).keys()].map((i) => this.turned(spans.map((span, a) => span[(i >> a) & 1])));
     const extent = (way) => 2 * Math.max(1e-6 * this.size, ...corners.map((corner) => Math.abs(corner[way])));
     Object.assign(this, { wide: extent(0), tall: extent(1) });
+    this.canvas.style.aspectRatio = String(Math.min(10, this.wide / this.tall));
     this.homeView = this.numbers().join();
   }
 
@@ -52,7 +53,7 @@ export class Scene {
   set view(text) {
     this.home();
     const [yaw, pitch, zoom, x, y] = text.split(",").map(Number);
-    if (![yaw, pitch, zoom, x, y].every(Number.isFinite)) return this.draw();
+    if (![yaw, pitch, zoom, x, y].every((v) => Math.abs(v) < 1e6)) return this.draw(); // no numbers, or far away
     const shift = [x, y].map((v) => v * this.canvas.clientWidth);
     Object.assign(this, { yaw: yaw * degree, shift, zoom: 1 });
     this.pitch = 0;

@@ -1,5 +1,6 @@
 // The answer in one sentence, what it saves, and the badge.
 import { $, filterOfToday, make, ms, objective } from "./format.js";
+import { proved } from "./proof.js";
 
 /** Of what the design is proved to be the fastest. */
 const candidates = ({ task, settings }) =>
@@ -9,7 +10,7 @@ const candidates = ({ task, settings }) =>
 function badge(answer) {
   if (!answer) return ["no answer", ""];
   const { result, proof } = answer;
-  if (result.status === "optimal" && proof.rechecked)
+  if (proved(answer))
     return [
       "proved",
       `No ${candidates(result)} within the limits are faster: ${proof.text}. The motion was simulated again.`,
@@ -28,7 +29,8 @@ function badge(answer) {
 
 export function summary(page) {
   const [word, why] = badge(page.design);
-  $("#badge").textContent = word;
+  const more = page.searching && page.design && !proved(page.design);
+  $("#badge").textContent = more ? `${word}, searching on` : word;
   $("#badge").dataset.is = word;
   $("#badge").title = why;
   const result = page.design?.result;
@@ -48,7 +50,7 @@ export function summary(page) {
     `${what}: `,
     make("b", { id: "time", "data-value": time }, `${ms(time)} ms`),
     corners > 1 ? ` for ${corners} corners` : " for the corner",
-    ".",
+    more ? " so far." : ".",
   );
   const parts = [];
   // A sentence speaks of one task: answers about another have no part in it.
@@ -59,16 +61,20 @@ export function summary(page) {
   if (filterOfToday(task) && own) {
     const saved = objective(own) - time;
     const retuned = best.find((f) => f.name === page.families.own_family);
+    const by = retuned ? ms(objective(own) - retuned.objective_s) : "0";
+    const less = ms(saved) === "0" ? "just as long" : saved < 0 ? `${ms(-saved)} ms more` : `${ms(saved)} ms less`;
     parts.push(
       `Today: ${ms(objective(own))} ms; `,
-      make("b", { id: "saved", "data-value": saved }, saved < 0 ? `${ms(-saved)} ms more` : `${ms(saved)} ms less`),
-      retuned ? ` (${ms(objective(own) - retuned.objective_s)} by setting today\u2019s filter otherwise)` : "",
+      make("b", { id: "saved", "data-value": saved }, less),
+      by === "0" ? "" : ` (${by} by setting today\u2019s filter otherwise)`,
       ".",
     );
   } else if (filterOfToday(task)) {
-    parts.push(
-      today ? `Today\u2019s filter does not hold these limits: ${today.result.message}` : "Today\u2019s filter is computed ..",
-    );
+    const no =
+      page.planned === page.design.of
+        ? "In its program, today\u2019s filter holds here: feeds change in steps there. From rest to rest it does not:"
+        : "Today\u2019s filter does not hold these limits:";
+    parts.push(today ? `${no} ${today.result.message}` : "Today\u2019s filter is computed ..");
   } else if (best.length) {
     const least = best.reduce((a, b) => (b.objective_s < a.objective_s ? b : a));
     const what = page.families.complete ? "Best" : "Best so far";

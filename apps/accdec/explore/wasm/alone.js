@@ -50,7 +50,7 @@ async function fetch(address, { body = "" } = {}) {
         mine.answer = null;
         answer(new Response(data.bytes, { status: data.status, headers: { "Content-Type": data.type } }));
       };
-      w.postMessage({ name, body, format: ask.format ?? "", seconds: Number(ask.seconds ?? 1) });
+      w.postMessage({ name, body, format: ask.format ?? "", corner: Number(ask.corner ?? 0), seconds: Number(ask.seconds ?? 1) });
     });
   });
 }

@@ -30,7 +30,7 @@ std::string shown(const Json& value) {
 const Json& not_compared_members() {
   static const Json samples = Json::parse(R"({
     "candidates": [{"plan": "", "cycle_time_s": 0.5, "verified": true}],
-    "bounds": [{"name": "", "time_s": 0.5, "motions": ""}],
+    "bounds": [{"name": "", "time_s": 0.5, "motions": "", "complete": true}],
     "compensation": "",
     "corner_bound_s": 0.5,
     "corner_bound": {"corners": 0, "counted": 0, "classes": 0, "complete": true},
@@ -142,6 +142,7 @@ class Comparison {
     for (std::size_t i = 0; i < named.size(); ++i) {
       compare(fmt::format("bounds[{}].name", i), (*bounds)[i]["name"], named[i].name);
       compare(fmt::format("bounds[{}].motions", i), (*bounds)[i]["motions"], named[i].motions);
+      compare(fmt::format("bounds[{}].complete", i), (*bounds)[i]["complete"], named[i].complete);
     }
   }
 
@@ -286,6 +287,17 @@ class Comparison {
   ProgramDifferences found_;
 };
 
+/// Earlier results do not say of each bound whether it was finished.
+void add_complete(Json& recorded, const ProgramResult& plan) {
+  const auto bounds = recorded.find("bounds");
+  if (bounds == recorded.end() || !bounds->is_array()) return;
+  const std::vector<NamedBound> named = named_bounds(plan.lower_bound, plan.corner_bound);
+  for (std::size_t i = 0; i < bounds->size(); ++i) {
+    Json& bound = (*bounds)[i];
+    if (bound.is_object() && !bound.contains("complete")) bound["complete"] = i >= named.size() || named[i].complete;
+  }
+}
+
 }  // namespace
 
 ProgramDifferences program_differences(std::string_view text, const ProgramRecord& record, const ProgramResult& found,
@@ -300,6 +312,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   recorded.erase("answer");
   const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
   Comparison comparison(recorded, again, skip, found, record.schema);
+  add_complete(recorded, record.result);
   comparison.compare("", recorded, again);
   comparison.check_bound(recorded, again);
   comparison.check_bounds(recorded, again);

@@ -20,6 +20,7 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
+#include <accdec/plan/record/recorded_corner_bound.hpp>
 #include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
 #include <accdec/task.hpp>
@@ -88,7 +89,8 @@ class Reader {
     r.check.samples = json_["samples"].integer<std::int64_t>();
     r.cycle_time = json_["cycle_time_s"].number();
     r.delay_total = json_["delay_total_s"].number();
-    read_bounds();
+    r.lower_bound = json_["lower_bound_s"].number();
+    r.corner_bound = recorded_corner_bound(json_);
     r.corners = json_["corners"]["count"].integer<std::size_t>();
     r.worst_error = json_["corners"]["worst_error_m"].number();
     for (const Value& limit : json_["limits"].elements()) r.check.limits.push_back(limit_use(limit));
@@ -97,23 +99,6 @@ class Reader {
       r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
     }
     if (json_.has("estimates")) r.estimates = recorded_estimates(json_["estimates"]);
-  }
-
-  void read_bounds() {
-    ProgramResult& r = record_.result;
-    r.lower_bound = json_["lower_bound_s"].number();
-    if (!json_.has("corner_bound_s") || !json_.has("corner_bound")) return;
-    CornerBound& bound = r.corner_bound.emplace();
-    const Value counts = json_["corner_bound"];
-    bound.time = json_["corner_bound_s"].number();
-    bound.corners = counts["corners"].integer<std::size_t>();
-    bound.counted = counts["counted"].integer<std::size_t>();
-    bound.classes = counts["classes"].integer<std::size_t>();
-    bound.complete = counts["complete"].boolean();
-    if (!json_.has("bounds")) return;
-    for (const Value& named : json_["bounds"].elements()) {
-      if (named["name"].text() == "any motion") bound.any_motion = named["time_s"].number();
-    }
   }
 
   static std::string one_of(const Value& json, std::initializer_list<std::string_view> words) {

@@ -106,14 +106,19 @@ std::vector<NamedBound> named_bounds(double lower_bound, const std::optional<Cor
       {"way over feed", lower_bound,
        "any motion that passes every corner within its tolerance, wherever it runs between them"}};
   if (corner_bound && corner_bound->any_motion > 0.0) {
-    bounds.push_back({"any motion", corner_bound->any_motion,
-                      "any motion within the tolerance of its path, even if it swings out before a corner"});
+    const bool complete = corner_bound->any_motion_complete;
+    bounds.push_back(
+        {"any motion", corner_bound->any_motion,
+         fmt::format("any motion within the tolerance of its path, even if it swings out before a corner{}",
+                     complete ? "" : "; not all of its linear programs solved"),
+         complete});
   }
   if (corner_bound) {
     bounds.push_back(
         {"monotone legs", corner_bound->time,
          "sums of legs that never run back, as filters and profiles make them; free motions may be faster; " +
-             describe(*corner_bound)});
+             describe(*corner_bound),
+         corner_bound->complete});
   }
   return bounds;
 }
@@ -126,7 +131,8 @@ std::vector<NamedBound> bounds_of(const ProgramResult& result) {
 nlohmann::ordered_json bounds_to_json(const std::vector<NamedBound>& bounds) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const NamedBound& bound : bounds) {
-    list.push_back({{"name", bound.name}, {"time_s", bound.time}, {"motions", bound.motions}});
+    list.push_back(
+        {{"name", bound.name}, {"time_s", bound.time}, {"motions", bound.motions}, {"complete", bound.complete}});
   }
   return list;
 }

@@ -69,9 +69,10 @@ void stream_samples(const ProgramResult& result, std::ostream& out);
 std::string describe(const PlanTime& plan);
 /// A bound of a program's time and which motions it holds for.
 struct NamedBound {
-  std::string name;     ///< "any motion"
-  double time = 0.0;    ///< s
-  std::string motions;  ///< a sentence
+  std::string name;      ///< "any motion"
+  double time = 0.0;     ///< s
+  std::string motions;   ///< a sentence; behind a ";" what else is to be said
+  bool complete = true;  ///< false where time or linear programs ran out: a finished bound may be larger
 };
 /// All that are known, the widest class of motions first. @param lower_bound  s, see program_lower_bound
 std::vector<NamedBound> named_bounds(double lower_bound, const std::optional<CornerBound>& corner_bound);
