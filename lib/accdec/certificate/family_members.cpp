@@ -223,11 +223,12 @@ FamilyMember member_of(std::vector<double> taps) {
                       std::vector<double>(n + 1), std::vector<double>(n + 1)};
   for (double& tap : member.taps) tap /= sum;
   // Four sums side by side: each waits for its own last addition.
+  double gone = 0.0, left = 0.0, way_left = 0.0, way_gone = 0.0;
   for (std::size_t k = 0, back = n; back-- > 0; ++k) {
-    member.gone[k + 1] = member.gone[k] + member.taps[k];
-    member.left[back] = member.left[back + 1] + member.taps[back];
-    member.way_left[back] = member.way_left[back + 1] + member.left[back + 1];
-    member.way_gone[k + 1] = member.way_gone[k] + member.gone[k + 1];
+    member.gone[k + 1] = gone += member.taps[k];
+    member.way_gone[k + 1] = way_gone += gone;
+    member.way_left[back] = way_left += left;
+    member.left[back] = left += member.taps[back];
   }
   return member;
 }

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
@@ -31,19 +32,6 @@ ProgramResult fixed_with_bounds(const std::string& name, ProgramFile& file, cons
   return result;
 }
 
-/// @throws std::invalid_argument for free taps that are planned only at corners by themselves
-void require_planned_taps(const Task& task) {
-  if (!task.settings || !task.settings->names(SettingFamily::taps)) return;
-  const ControllerSettings& control = *task.settings;
-  if (control.names_family())
-    throw std::invalid_argument(
-        "[design] family names \"taps\" beside others; a program is planned with \"taps\" alone or with the others");
-  if (!control.any_delay() && (control.names(DelayKind::in_position) || control.names(DelayKind::corner_feed)))
-    throw std::invalid_argument(
-        "[controller] delays: free taps of a program are delayed by \"dwell\", \"timed-axis\", \"continuous\" and "
-        "\"exact-stop\"; for \"in-position\" and \"corner-feed\" give [design] family = \"averages\"");
-}
-
 }  // namespace
 
 PlanKind plan_kind(std::string_view name) {
@@ -55,7 +43,7 @@ PlanKind plan_kind(std::string_view name) {
 
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
-  require_planned_taps(task);
+  if (task.settings) require_planned_taps(*task.settings);
   switch (options.plan) {
     case PlanKind::profiles: return run_fastest_plan(name, file, task, options, tell);
     case PlanKind::free: return run_free_plan(name, file, task, options, tell);
