@@ -71,7 +71,7 @@ class Cheapest {
   DesignResult best_;
 };
 
-/// A member of the task's own families is a setting. Of others it is free taps as any.
+/// A member of the task's own families is a setting. Another member is free taps like any others.
 void offer_members(const Task& task, double seconds, const DesignOptions& options, Cheapest& cheapest) {
   Task of_members = task;
   ControllerSettings& settings = *of_members.settings;
