@@ -103,6 +103,14 @@ DesignOptions asked_options(const DesignArguments& arguments, const Task& task, 
   return options;
 }
 
+/// @throws InputError for a given filter with delays that are designed with free taps
+void require_taps_to_design(const std::string& file, const Task& task) {
+  if (task.filter && task.settings && !task.settings->names_family() && !task.settings->any_delay())
+    throw error_at_delays(file,
+                          "[controller] delays names kinds of delays for free taps, and a given [filter] has no taps "
+                          "to design; leave out either");
+}
+
 /// Whether every setting of the task's control was looked at, and none holds all limits.
 bool no_setting_holds(const DesignResult& result) {
   return result.solver.name == "families" && !result.has_design() && result.stop == StopReason::finished;
@@ -117,6 +125,7 @@ void run(const DesignArguments& arguments, Context& context) {
   const Task task = read_task(arguments.task, {.response = Considered::all});
   warn(task, arguments.task, context);
   require_outputs({arguments.json}, {arguments.task});
+  require_taps_to_design(arguments.task, task);
   DesignOptions options = asked_options(arguments, task, context.quiet);
   options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
   // A third of it each for the design and the two tables.

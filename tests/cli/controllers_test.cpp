@@ -156,6 +156,16 @@ TEST(CliControllers, FreeTapsThatNoProgramIsPlannedWithAreRefusedAtTheirPlace) {
   EXPECT_THAT(family.err, HasSubstr("f.toml:5:10: [design] family names \"taps\" beside others"));
 }
 
+TEST(CliControllers, AGivenFilterHasNoTapsToDesign) {
+  const TemporaryFolder folder;
+  const Outcome refused =
+      run({"design", folder.write("g.toml",
+                                  "sample_period_ms = 1\n[controller]\ndelays = \"in-position\"\n[filter]\nkind = "
+                                  "\"boxcar\"\norder = 19\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n")});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("g.toml:3:10: [controller] delays names kinds of delays for free taps"));
+}
+
 TEST(CliControllers, UnknownOnesAndBrokenFilesAreRefused) {
   const TemporaryFolder folder;
   const Outcome unknown = run({"controllers", "kolmorgen-akd"});

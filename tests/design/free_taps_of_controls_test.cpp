@@ -18,6 +18,7 @@
 namespace accdec {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -142,6 +143,9 @@ TEST(FreeTapsOfControls, KindsAreMixed) {
   EXPECT_LT(slow.objective(), both.objective());
   EXPECT_FALSE(slow.lower_bound);
   EXPECT_THAT(verify_result(slow).reasons, IsEmpty());
+  slow.lower_bound = both.lower_bound, slow.certificate = both.certificate;
+  slow.gap = (slow.objective() - *slow.lower_bound) / slow.objective();
+  EXPECT_THAT(verify_result(slow).reasons, Contains(HasSubstr("the bound is of delays at full feed")));
 }
 
 /// Averages where they are as good as free taps: 17 taps for an acceleration of 6 m/s^2. Else the taps.

@@ -71,7 +71,7 @@ class Cheapest {
   DesignResult best_;
 };
 
-/// A member of the task's own families is a setting. Of others it is free taps as any.
+/// A member of the task's own families is a setting. Another member is free taps like any others.
 void offer_members(const Task& task, double seconds, const DesignOptions& options, Cheapest& cheapest) {
   Task of_members = task;
   ControllerSettings& settings = *of_members.settings;
@@ -134,9 +134,7 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   const ControllerSettings& control = *asked.settings;
   const bool only_taps = !control.names_family();
   if (only_taps && task.filter)
-    throw std::invalid_argument(
-        "[controller] delays names kinds of delays for free taps, and a given [filter] has no taps to design; leave "
-        "out either");
+    throw std::invalid_argument("a given filter has no taps to design for the control's kinds of delays");
   const bool runs_on = control.names(DelayKind::continuous), stops = control.names(DelayKind::exact_stop);
   const bool one_kind = control.delays.size() == 1 && (runs_on || stops);
   if (only_taps && one_kind) return design_for_one_kind(task, stops, options);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/certificate.hpp>
 #include <accdec/certificate/family_members.hpp>
 #include <accdec/design/verify_settings.hpp>
 #include <accdec/machine/response.hpp>
@@ -214,8 +215,6 @@ void compare_taps(const DesignResult& result, std::vector<std::string>& reasons)
     reasons.push_back("the taps are not those of settings.filter");
   compare_kinds(result, reasons);
   if (result.family_bound || result.free_taps) reasons.push_back("the settings are free taps, beside which are none");
-  if (result.lower_bound && result.task.settings->names(DelayKind::corner_feed))
-    reasons.push_back("the bound is of delays at full feed, and the task names corner feeds");
 }
 
 }  // namespace
@@ -239,6 +238,9 @@ void compare_settings(const DesignResult& result, std::vector<std::string>& reas
         reasons.push_back(fmt::format("corner {}: the task has no corner feeds", corner.name));
     }
   }
+  const bool tree = result.certificate && std::holds_alternative<proof::BranchAndBound>(result.certificate->proof);
+  if (tree && control && result.settings && control->names(DelayKind::corner_feed))
+    reasons.push_back("the bound is of delays at full feed, and the task names corner feeds");
   if (taps) return compare_taps(result, reasons);
   if (!asked) {
     compare_one_kind(result, reasons);
