@@ -99,6 +99,9 @@ class CornerFeeds(BothCheckers):
         self.assertIn("corner-feed was not tried", slow["message"])
         self.assertTrue(verified(slow)[0])
         self.both(dict(plain, task=slow["task"]), "at a part of the feed")
+        loads = "[[axis]]\nmass_kg = 10\ndamping_N_s_m = 1000\nforce_max_N = 10"  # less than friction at the feed
+        stuck = designed(self.task(filter=given, kind=', "corner-feed"').replace("[[axis]]", loads))
+        self.both(stuck, True)  # there is no design, at whatever part
 
 
 SMOOTHED = """sample_period_ms = 1
