@@ -75,6 +75,9 @@ class CornerFeeds(BothCheckers):
         self.assertEqual((taps["status"], taps["certificate"]["kind"]), ("infeasible", "branch and bound"))
         self.both(taps, True)
         self.both(dict(taps, task=slow["task"]), "corners at their feeds")
+        free = designed(self.task(kind=', "corner-feed"', delay="delay_samples = 0"))
+        self.assertIn("corner-feed is not considered with free taps", free["message"])
+        self.both(free, True)
         named = {"delays": ["dwell", "corner-feed"], "name": "a control with families"}
         self.assertIsNone(verdict(dict(taps, task=taps["task"] | {"controller": named}))[0])
 
