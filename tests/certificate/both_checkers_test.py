@@ -75,6 +75,9 @@ class CornerFeeds(BothCheckers):
         self.assertEqual((taps["status"], taps["certificate"]["kind"]), ("infeasible", "branch and bound"))
         self.both(taps, True)
         self.both(dict(taps, task=slow["task"]), "corners at their feeds")
+        free = designed(self.task(kind=', "corner-feed"', delay="delay_samples = 0"))
+        self.assertIn("corner-feed is not considered with free taps", free["message"])
+        self.both(free, True)
         named = {"delays": ["dwell", "corner-feed"], "name": "a control with families"}
         self.assertIsNone(verdict(dict(taps, task=taps["task"] | {"controller": named}))[0])
 
@@ -99,6 +102,9 @@ class CornerFeeds(BothCheckers):
         self.assertIn("corner-feed was not tried", slow["message"])
         self.assertTrue(verified(slow)[0])
         self.both(dict(plain, task=slow["task"]), "at a part of the feed")
+        loads = "[[axis]]\nmass_kg = 10\ndamping_N_s_m = 1000\nforce_max_N = 10"  # less than friction at the feed
+        stuck = designed(self.task(filter=given, kind=', "corner-feed"').replace("[[axis]]", loads))
+        self.both(stuck, True)  # there is no design, at whatever part
 
 
 SMOOTHED = """sample_period_ms = 1

@@ -101,6 +101,8 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     return design_differing(task, options);
   const auto began = std::chrono::steady_clock::now();
   DesignResult found = options.method == Method::exact ? design_anytime(task, options) : local_or_proof(task, options);
+  if (found.status == Status::infeasible && task.settings && task.settings->names(DelayKind::corner_feed))
+    found.message += "; corner-feed is not considered with free taps";
   return with_smallest_delays(std::move(found), options.time_limit - seconds_since(began));
 }
 

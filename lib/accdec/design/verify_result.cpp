@@ -240,15 +240,15 @@ void check_certificate_words(const DesignResult& result, ResultCheck& report) {
 /// @return whether the result claims that there is no design, which is then all that is checked
 bool check_infeasible(const DesignResult& result, ResultCheck& report, const std::function<bool()>& stop) {
   if (result.status != Status::infeasible || (!result.certificate && !result.task.filter)) return false;
-  if (result.task.filter) {
+  // A certificate may also say that no filter at all holds the limits.
+  const bool enumerated = result.task.filter && (!result.certificate ||
+                                                 std::holds_alternative<proof::Enumeration>(result.certificate->proof));
+  if (enumerated) {
     report.proof = "every delay of the given filter breaks a limit";
     if (const std::string reason = check_no_delays(result.task, make_filter(*result.task.filter), stop);
         !reason.empty())
       report.reasons.push_back("claims infeasible: " + reason);
-  }
-  const bool enumerated = result.task.filter && (!result.certificate ||
-                                                 std::holds_alternative<proof::Enumeration>(result.certificate->proof));
-  if (!enumerated) {
+  } else {
     const CheckReport check = check_certificate(result.task, result, stop);
     report.proof = check.reason;
     if (!check.accepted) report.reasons.push_back("the certificate does not hold: " + check.reason);
