@@ -42,7 +42,7 @@ def offers(page):
         if grey:
             check(len(why) > 20, f"{name} is grey: {why[:70]}")
             continue
-        page.value(f"(s => {{ s.value = '{name.split('.')[1]}'; s.dispatchEvent(new Event('change')); }})"
+        page.value(f"(s => {{ s.value = '{name.split('.')[1]}'; s.nextElementSibling.click(); }})"
                    f"(document.querySelectorAll('select.more')[{number}])")
         page.settle()
         said = page.value("document.querySelector('#trouble').textContent")

@@ -59,6 +59,17 @@ def without_corner(accdec, browser, home, task):
         program.end()
 
 
+def lists_all(browser):
+    """Every corner of the program has a link, which keys reach."""
+    count = browser.value("accdecProgram.program.corners.length")
+    links = "document.querySelectorAll('#corner-list a')"
+    check(browser.value(f"{links}.length") == 20 < count, f"the sharpest 20 of {count} at first")
+    browser.value("document.querySelector('#corner-list button').click()")
+    lines = browser.value(f"[...{links}].map(a => Number(a.textContent.split(' ')[1])).sort((a, b) => a - b)")
+    check(lines == browser.value("accdecProgram.program.corners.map(c => c.line)"), f"all {len(lines)} by a button")
+    check(browser.value(f"document.activeElement === {links}[20]"), "the focus goes to the first new one")
+
+
 def stops_exactly(accdec, home, task):
     """A corner where the program stops, by G61.1 or by a dwell, is one without an error."""
     code = home / "stops.ngc"

@@ -45,10 +45,11 @@ class Page:
                    f"(document.querySelector('{selector}'))")
 
     def key(self, name, shift=False):
+        code = {"ArrowLeft": 37, "ArrowRight": 39, "ArrowDown": 40, "End": 35, "Enter": 13, "Tab": 9, "z": 90}[name]
         for kind in ("keyDown", "keyUp"):
-            code = {"ArrowLeft": 37, "ArrowRight": 39, "Tab": 9, "z": 90}[name]
+            text = {"text": "\r"} if name == "Enter" and kind == "keyDown" else {}
             self.browser.page("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=code,
-                              modifiers=8 * shift)
+                              modifiers=8 * shift, **text)
 
     def task_file(self):
         """What `copy as task file` gives."""

@@ -76,3 +76,30 @@ def saves(page):
     check(not wrong, f"the saved page asks for nothing {wrong or ''}".strip())
     check("ms" in page.value("document.querySelector('#time').textContent"), "and shows the design")
     page.open(address)
+
+
+def exports_one_task(page):
+    """Taps are exported as the page shows them: an answer under way is waited for, a field without a number refused."""
+    page.value("""globalThis.realFetch = fetch, globalThis.realAddress = URL.createObjectURL, globalThis.files = [];
+        URL.createObjectURL = (blob) => (files.push(blob.text()), "data:,");
+        globalThis.fetch = async (at, how) => {
+            if (/^design/.test(at)) await new Promise((go) => setTimeout(go, 700));
+            return realFetch(at, how);
+        };""")
+    field = "document.querySelector('#corner-0-error_max_um')"
+    page.value(f"{field}.value = 5, {field}.dispatchEvent(new Event('input'))")
+    page.value("document.querySelector('#export').value = 'csv', document.querySelector('#download').click()")
+    page.wait("files.length", "the taps")
+    rows = [line.split(",") for line in page.value("files.pop()").splitlines()]
+    found = [float(row[1]) for row in rows if row[0].isdigit()]
+    task, taps = page.value("[accdecPage.page.design.of, accdecPage.page.design.result.filter.taps]")
+    check(json.loads(task)["corner"][0]["error_max_um"] == 5 and found == taps, f"{len(taps)} taps for 5 um, as shown")
+    page.value(f"{field}.focus(), {field}.value = '', {field}.dispatchEvent(new Event('input'))")
+    for name in ("csv", "task", "result"):
+        page.value("document.querySelector('#note').textContent = '';"
+                   f"document.querySelector('#export').value = '{name}', document.querySelector('#download').click()")
+        page.wait("document.querySelector('#note').textContent.startsWith('not saved')", f"no {name} of an empty field")
+    check(page.value("files.length") == 0, "and no file")
+    page.value("globalThis.fetch = realFetch, URL.createObjectURL = realAddress")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()

@@ -134,6 +134,8 @@ def test_given_filters_and_delays():
     assert found.delays[0] == accdec.smallest_delay(boxcar, np.radians(95), 0.1, 50e-6, sample_period=1e-3)
     with pytest.raises(ValueError, match="delays"):
         accdec.evaluate(given, boxcar)
+    with pytest.raises(ValueError, match="delays: the task leaves a delay open"):
+        accdec.evaluate(given)
     with pytest.raises(ValueError, match="taps: the task has no filter"):
         accdec.evaluate(task)
     with pytest.raises(accdec.InputError):

@@ -30,6 +30,12 @@ def test_a_result_is_its_summary_and_figure():
     assert nothing.x is None and parsed(nothing._repr_html_()).findtext("pre") == str(nothing)
 
 
+def test_an_explanation_is_its_sentences():
+    told = accdec.explain(TASK)
+    assert parsed(told._repr_html_()).findtext("pre") == str(told)
+    assert repr(told) == f'<accdec.Explanation "a < b & c": optimal, {len(told.gains)} gains, 0 remedies>'
+
+
 def test_a_program_is_its_page(tmp_path):
     file = tmp_path / "square.ngc"
     file.write_text("G21 G90 G64 P0.05\nG1 X20 F3000\nY20\nM2\n")

@@ -156,6 +156,7 @@ def test_errors_have_the_text_of_the_command_line(tmp_path, text):
     ({"corners": {"angle": 1.0, "feed_in": float("nan")}}, "feed_in"),
     ({"corners": {"angle": 1.0, "feed_in": 0.1, "velocity": 1}}, "velocity"),
     ({"corners": []}, "no corner"),
+    ({"corners": {"angle": 1.0, "feed_in": 0.1}, "axes": []}, "`axes` is an empty list"),
     ({"corners": {"angle": "wide", "feed_in": 0.1}}, "`angle` must be a number"),
     ({"corners": {"angle": 1.0, "feed_in": 0.1}, "axes": {"force_max": 10}}, "give mass or damping"),
 ])

@@ -39,6 +39,10 @@ bool shown(const AxisLimit& limit, const Machine& machine) {
                      [&](const Axis& a) { return a.*limit.bound < unlimited; });
 }
 
+double still_speed(const TaskCorner& corner) {
+  return still_part * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
+}
+
 /// One quantity of every axis that moves.
 Json quantity_json(const AxisLimit& limit, const SampledResponse& sampled, const TaskCorner& corner, const Task& task) {
   const LimitName& name = limit_name(limit.kind);
@@ -49,13 +53,26 @@ Json quantity_json(const AxisLimit& limit, const SampledResponse& sampled, const
     if (std::max(std::abs(legs.direction_in[a]), std::abs(legs.direction_out[a])) < 1e-12) continue;
     const Axis& axis = task.machine.axes[i];
     if (limit.load && !(axis.*limit.bound < unlimited)) continue;
-    const double still = still_part * std::max(legs.feed_in, legs.feed_out);
     std::vector<double> values;
-    for (const AxisState& state : axis_states(sampled, axis, a, task.sample_period, still))
+    for (const AxisState& state : axis_states(sampled, axis, a, task.sample_period, still_speed(corner)))
       values.push_back(signed_value(state, limit.kind) * name.per_si);
     axes.push_back({{"name", axis.name}, {"bound", bound_json(axis, limit)}, {"values", drawn(std::move(values))}});
   }
   return {{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}};
+}
+
+/// The power of all axes together, with one of the limits on it.
+Json supply_json(const SupplyLimit& limit, const SampledResponse& sampled, const TaskCorner& corner, const Task& task) {
+  std::vector<double> sum;
+  for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+    const std::vector<AxisState> states = axis_states(sampled, task.machine.axes[i], static_cast<Eigen::Index>(i),
+                                                      task.sample_period, still_speed(corner));
+    sum.resize(states.size(), 0.0);
+    for (std::size_t n = 0; n < states.size(); ++n) sum[n] += signed_value(states[n], LimitKind::power);
+  }
+  const LimitName& name = limit_name(limit.kind);
+  const Json curve{{"name", "sum"}, {"bound", task.machine.*limit.bound}, {"values", drawn(std::move(sum))}};
+  return {{"kind", name.name}, {"unit", name.unit}, {"axes", Json::array({curve})}};
 }
 
 /// Axes of the drawing: the machine's own if it has two, else the corner's plane, along the motion and halving the
@@ -122,6 +139,9 @@ Json view_json(const DesignResult& result, std::size_t index) {
   view["quantities"] = Json::array();
   for (const AxisLimit& limit : axis_limits) {
     if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, sampled, corner, task));
+  }
+  for (const SupplyLimit& limit : supply_limits) {
+    if (task.machine.*limit.bound < unlimited) view["quantities"].push_back(supply_json(limit, sampled, corner, task));
   }
   return view;
 }

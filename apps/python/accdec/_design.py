@@ -147,17 +147,18 @@ def evaluate(task: TaskLike, taps: Optional[npt.ArrayLike] = None,
     >>> round(result.corners[0]["corner_error"] * 1e6, 3)  # um; three equal taps: 2/3 v T cos(45 deg)
     47.14
     """
-    made = as_task(task, complete=taps is None and delays is None)
+    given = taps is None and delays is None
+    made = as_task(task, complete=given)
     if taps is None:
         taps = made.taps
         if taps is None:
             raise ValueError("taps: the task has no filter, so the taps are needed")
-        if delays is None:
-            return _core.evaluate(made)
     if delays is None:
         delays = [corner["delay"] for corner in made.corners]
         if None in delays:
             raise ValueError("delays: the task leaves a delay open, so the delays are needed")
+    if given:
+        return _core.evaluate(made)
     return _core.assess(made, arguments.vector("taps", taps).tolist(), arguments.delays(delays, len(made.corners)))
 
 

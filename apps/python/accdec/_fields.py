@@ -107,6 +107,8 @@ def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
         if value is None:
             continue
         key = _LISTS.get(name, name)
+        if key == "axis" and isinstance(value, (list, tuple)) and not value:
+            raise _core.InputError(f"task: `{name}` is an empty list; without it, axes have no limits")
         if key in task and key != "design":
             raise TypeError(f"task: `{name}` is given twice")
         if key in _LISTS.values() and isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Tasks, results and programs as notebooks and `help` show them."""
+"""Tasks, results, explanations and programs as notebooks and `help` show them."""
 
 from __future__ import annotations
 
@@ -29,6 +29,11 @@ def result_html(self: _core.Result) -> str:
     return _text(self) + drawing[drawing.index("<svg"):]
 
 
+def explanation_html(self: _core.Explanation) -> str:
+    """Its sentences."""
+    return _text(self)
+
+
 def program_html(self: _core.Program) -> str:
     """The page to zoom into, in a frame that keeps its style and script; the summary where there is no motion."""
     try:
@@ -46,6 +51,7 @@ def _signature() -> inspect.Signature:
     return inspect.Signature([*fields, kinds("tables", kinds.VAR_KEYWORD)])
 
 
-for made, html in ((_core.Task, task_html), (_core.Result, result_html), (_core.Program, program_html)):
+for made, html in ((_core.Task, task_html), (_core.Result, result_html), (_core.Explanation, explanation_html),
+                   (_core.Program, program_html)):
     setattr(made, "_repr_html_", html)
 setattr(_core.Task, "__signature__", _signature())

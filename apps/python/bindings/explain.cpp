@@ -70,6 +70,11 @@ py::object part(const Explanation& explanation, const char* name) {
   return all.attr("get")(name, py::list());
 }
 
+std::string describe_explanation(const Explanation& e) {
+  return fmt::format("<accdec.Explanation \"{}\": {}, {} gains, {} remedies{}>", e.base.task.title,
+                     to_string(e.base.status), e.gains.size(), e.remedies.size(), e.complete ? "" : ", not complete");
+}
+
 constexpr const char* explanation_doc = R"(The limits that prevent a shorter design, or any design. Made by `explain`.
 
 Its text (`str`, `print`) is that of the command line. Levers are the numbers of a task that more room is given to, by
@@ -107,6 +112,7 @@ void bind_explain(py::module_& module) {
       .def_property_readonly("remedies", [](const Explanation& e) { return part(e, "remedies"); })
       .def_property_readonly("complete", [](const Explanation& e) { return e.complete; })
       .def("to_json", &explanation_to_json, "to_json()\n\nAs `accdec explain --json` writes it.")
+      .def("__repr__", &describe_explanation)
       .def("__str__", [](const Explanation& e) { return explanation_text(e); });
   module.def("explain", &explain, py::arg("task"), py::kw_only(), py::arg("share"), py::arg("time_limit"),
              py::arg("design_time_limit"), py::arg("progress"));

@@ -24,7 +24,7 @@ inline constexpr std::array<int, 15> points{7, 6, 5, 4, 9, 8, 11, 12, 2, 13, 1, 
 inline constexpr std::array<const char*, 3> widths{"1.7", "2.8", "1"};
 static_assert(dashes.size() * widths.size() == most_lines);
 
-inline constexpr const char* limit_colour = "#b00020";
+inline constexpr const char* limit_colour = "#771100";
 inline constexpr const char* circle_colour = "#606060";
 inline constexpr const char* band_colour = "#d4d4d4";
 inline constexpr const char* disc_colour = "#ececec";
@@ -34,7 +34,7 @@ inline constexpr const char* disc_colour = "#ececec";
 inline constexpr const char* heat_palette = "0 '#e6bd72', 0.35 '#dd8a4a', 0.65 '#a9443a', 1 '#2b0f3a'";
 /// Two colours that get darker away from 0; the colour at 0 also differs from the paper.
 inline constexpr const char* signed_palette = "-1 '#123f73', -0.5 '#5f93c4', 0 '#d9d9d2', 0.5 '#d9824a', 1 '#7a1f1f'";
-/// As for heat maps, but without colours so light that a line would be invisible on the page.
-inline constexpr const char* line_palette = "0 '#c9d3d8', 0.35 '#f2b26b', 0.65 '#b5523a', 1 '#2b0f3a'";
+/// As for heat maps, but without colours so light that a line is hard to see: the contrast to the paper is 3 and more.
+inline constexpr const char* line_palette = "0 '#c9862f', 0.35 '#b5523a', 0.65 '#7d2b41', 1 '#2b0f3a'";
 
 }  // namespace accdec::figure_style

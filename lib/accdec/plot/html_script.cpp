@@ -105,7 +105,7 @@ function drawn(tag, look) {
   return element;
 }
 function tells(svg, panels) {
-  const ring = drawn("circle", { r: 6, fill: "none", stroke: "#d00000", "stroke-width": 2, visibility: "hidden" });
+  const ring = drawn("circle", { r: 6, fill: "none", stroke: "#000", "stroke-width": 2, visibility: "hidden" });
   svg.append(ring);
   const leave = () => { tip.hidden = true; ring.setAttribute("visibility", "hidden"); };
   const show = event => {

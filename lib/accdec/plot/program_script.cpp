@@ -59,7 +59,7 @@ function drawPath() {
     if (Math.max(a, c) < 0 || Math.min(a, c) > w || Math.max(b, d) < 0 || Math.min(b, d) > h) continue;
     stroke(g, hue(D.v[i] / top_), 2, a, b, c, d);
   }
-  if (mark >= 0) { g.fillStyle = "#d00000"; g.beginPath(); g.arc(px(mark), py(mark), 5, 0, 7); g.fill(); }
+  if (mark >= 0) { g.fillStyle = "#000"; g.beginPath(); g.arc(px(mark), py(mark), 5, 0, 7); g.fill(); }
   const bar = round(150 / k / (second || 1)), wide = bar * (second || 1) * k;
   g.fillStyle = "#ffffffcc";
   g.fillRect(6, h - 34, wide + 12, 28); g.fillRect(w - 178, 6, 172, top_ < fastest ? 52 : 36);
@@ -83,7 +83,7 @@ function drawSpeed() {
     if (D.t[i] < ta || D.t[i - 1] > tb) continue;
     stroke(g, D.l[i] < 0 ? D.grey : D.colours[D.l[i]], 1.5, sx(i - 1), sy(D.v[i - 1]), sx(i), sy(D.v[i]));
   }
-  if (mark >= 0) stroke(g, "#d00000", 1, sx(mark), 8, sx(mark), h - low);
+  if (mark >= 0) stroke(g, "#000", 1, sx(mark), 8, sx(mark), h - low);
   g.restore();
   stroke(g, "#000", 1, left, 8, left, h - low); stroke(g, "#000", 1, left, h - low, w - 12, h - low);
   g.fillStyle = "#000"; g.fillText("mm/s", 6, 14);

@@ -16,7 +16,8 @@ export class Controls {
   }
 
   build() {
-    const focus = document.activeElement?.id;
+    const focused = this.form.contains(document.activeElement) ? document.activeElement : null;
+    const group = focused?.closest("details")?.querySelector("summary").id;
     this.updates = [];
     this.offers = [];
     this.form.replaceChildren();
@@ -32,7 +33,9 @@ export class Controls {
       if (key.type === "tables") this.list(key);
       else if (key.type === "table") this.table(key);
     }
-    if (focus) document.getElementById(focus)?.focus();
+    // What is gone leaves the focus to its group, or to the button that brings it back.
+    const heirs = focused ? [focused.id, group, focused.dataset.heir].filter(Boolean) : [];
+    heirs.map((id) => document.getElementById(id)).find((one) => one?.getClientRects().length)?.focus();
     markUnread();
     this.checkSoon();
   }
@@ -64,7 +67,7 @@ export class Controls {
     const element = make(
       "details",
       { open, class: "group" },
-      make("summary", {}, title),
+      make("summary", { id: `group-${name}` }, title),
       ...rows.filter(Boolean),
       make("div", { class: "tools" }, ...tools),
     );
@@ -78,11 +81,7 @@ export class Controls {
       this.addButton(key, () => firstValue(key));
       return;
     }
-    const remove = make(
-      "button",
-      { type: "button", onclick: () => this.state.set([[[key.name], undefined]], null, true) },
-      `remove ${key.name}`,
-    );
+    const remove = this.removal(key, [key.name]);
     this.form.append(this.group(key.name, this.rows(key, [[key.name]]), key.name, key.required ? [] : [remove]));
   }
 
@@ -99,13 +98,10 @@ export class Controls {
       const tools = [];
       if (alike)
         tools.push(
-          this.button("set them apart", () => {
-            this.apart = true;
-            this.build();
-          }),
+          make("button", { type: "button", onclick: () => ((this.apart = true), this.build()) }, "set them apart"),
         );
       else if (key.name !== "axis" && (key.name !== "corner" || all.length > 1))
-        tools.push(this.button(`remove ${key.name}`, () => this.state.set([[paths[0], undefined]], null, true)));
+        tools.push(this.removal(key, paths[0]));
       this.form.append(
         this.group(
           `${key.name} ${names.join(", ")}`,
@@ -122,7 +118,8 @@ export class Controls {
   /** A button that gives the task a table, or one more of a list. */
   addButton(key, value) {
     const onclick = () => this.state.set([[[key.name], value()]], null, true);
-    this.form.append(make("button", { type: "button", class: "add", title: key.meaning, onclick }, `+ ${key.name}`));
+    const names = { id: `add-${key.name}`, "data-heir": `group-${key.name}`, title: key.meaning };
+    this.form.append(make("button", { type: "button", class: "add", ...names, onclick }, `+ ${key.name}`));
   }
 
   /** One more of a list: as the last, under a name that is free. */
@@ -135,8 +132,10 @@ export class Controls {
     }
   }
 
-  button(text, onclick) {
-    return make("button", { type: "button", onclick }, text);
+  removal(key, path) {
+    const onclick = () => this.state.set([[path, undefined]], null, true);
+    const attributes = { type: "button", id: `remove-${path.join("-")}`, "data-heir": `add-${key.name}`, onclick };
+    return make("button", attributes, `remove ${key.name}`);
   }
 
   /** Rows for the keys that a table has, and a choice of those that it may get. */
@@ -158,9 +157,10 @@ export class Controls {
       else absent.push(inner);
     }
     if (!absent.length) return rows;
+    const id = `more-${paths[0].join("-")}`;
     const choice = make(
       "select",
-      { class: "more", "data-table": key.name, "aria-label": `add to ${key.name}` },
+      { class: "more", id, "data-table": key.name, "aria-label": `add to ${key.name}` },
       make("option", { value: "" }, "add .."),
     );
     for (const inner of absent) {
@@ -169,12 +169,13 @@ export class Controls {
       this.offers.push({ option, changes, meaning: inner.meaning });
       choice.append(option);
     }
-    choice.addEventListener("change", () => {
+    // A button: arrow keys go through the choices of a closed menu, and each would be a change.
+    const onclick = () => {
       const inner = absent.find((k) => k.name === choice.value);
-      const changes = paths.flatMap((path) => this.additions(key, inner, path));
-      this.state.set(changes, null, true);
-    });
-    return [...rows, choice];
+      if (!inner) return choice.focus();
+      this.state.set(paths.flatMap((path) => this.additions(key, inner, path)), null, true);
+    };
+    return [...rows, choice, make("button", { type: "button", class: "more", id: `${id}-add`, onclick }, "add")];
   }
 
   /** The changes that add a key: if it is another way to say something, the first way goes. */
@@ -233,6 +234,7 @@ export class Controls {
             {
               type: "button",
               class: "drop",
+              id: `${id}-drop`,
               title: `without ${key.name}: ${key.fallback ?? "none"}`,
               "aria-label": `remove ${label}`,
               onclick: () =>

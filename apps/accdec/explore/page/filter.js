@@ -30,6 +30,7 @@ function top(taps, period, modes) {
 export class FilterCharts {
   constructor(taps, response) {
     this.taps = new Chart(taps, { together: false, xTitle: "ms" });
+    this.heading = response.querySelector("h2");
     this.response = new Chart(response, { together: false, log: true, xTitle: "Hz" });
   }
 
@@ -58,11 +59,31 @@ export class FilterCharts {
     lines.push(curve(now, { label: "design" }));
     const least = Math.min(...lines.flatMap(({ values }) => values), ...modes.map((m) => m.residual_max ?? 1));
     const low = Math.min(0.1, Math.max(1e-4, 10 ** Math.floor(Math.log10(least))));
+    this.heading.textContent = `Vibration left over frequency / Hz${largest(result.limits)}`;
     this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra: (plot) => bands(plot, modes, result.limits) });
   }
 }
 
-/** The bands of the modes, and the vibration that may be left in them: in red where it binds. */
+/** ": x 98.2 % used" or ": x binds", of the mode whose vibration is nearest to its limit. */
+function largest(uses) {
+  const all = uses.filter((u) => u.kind === "vibration" || u.kind === "residual");
+  if (!all.length) return "";
+  const { axis, utilisation } = all.reduce((a, b) => (b.utilisation > a.utilisation ? b : a));
+  return `: ${axis || "a mode"} ${utilisation >= binding ? "binds" : `${(100 * utilisation).toFixed(1)} % used`}`;
+}
+
+/** Whether the use of a limit is that of a mode. */
+function isOf(mode, { kind, axis, bound, frequency_Hz: f }) {
+  const list = [mode.frequency_Hz].flat();
+  if (!(f >= list[0] && f <= list.at(-1))) return false;
+  if (!mode.axis) return kind === "vibration" && bound === mode.residual_max;
+  return kind === "residual" && axis === mode.axis && Math.abs(1e6 * bound / mode.residual_max_um - 1) < 1e-9;
+}
+
+/**
+ * The bands of the modes, and the vibration that may be left in them: in red where it binds. The limit of an axis is an
+ * amplitude, which has no place on a scale of parts: where it binds, the band has red edges.
+ */
 function bands(plot, modes, uses) {
   const { ctx, bbox } = plot;
   ctx.save();
@@ -73,17 +94,14 @@ function bands(plot, modes, uses) {
       from = (a + b - wide) / 2;
     ctx.fillStyle = colour("tolerance");
     ctx.fillRect(from, bbox.top, wide, bbox.height);
-    const y = plot.valToPos(Math.max(mode.residual_max, 1e-4), "y", true);
-    const binds = uses.some(
-      (u) =>
-        u.kind === "vibration" &&
-        u.utilisation >= binding &&
-        u.bound === mode.residual_max &&
-        u.frequency_Hz >= list[0] &&
-        u.frequency_Hz <= list.at(-1),
-    );
+    const binds = uses.some((u) => u.utilisation >= binding && isOf(mode, u));
     const thick = (binds ? 4 : 1) * devicePixelRatio;
     ctx.fillStyle = colour(binds ? "binds" : "limit");
+    if (mode.axis) {
+      if (binds) for (const x of [from, from + wide]) ctx.fillRect(x - thick / 2, bbox.top, thick, bbox.height);
+      continue;
+    }
+    const y = plot.valToPos(Math.max(mode.residual_max, 1e-4), "y", true);
     ctx.fillRect(from, y - thick / 2, wide, thick);
   }
   ctx.restore();

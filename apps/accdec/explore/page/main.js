@@ -4,6 +4,7 @@ import { Controls } from "./controls.js";
 import { Chart } from "./curves.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
+import { showUndo } from "./history.js";
 import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
 import { better, hurried, unfinished } from "./proof.js";
@@ -46,11 +47,11 @@ const motion = new Motion($("#motion"));
 const filters = new FilterCharts($("#taps"), $("#response"));
 const off = new Chart($("#off"), { height: 290, between: true });
 
-/** For a moment; lasting: until the next one. */
+/** For as long as it takes to read; lasting: until the next one. */
 function note(text, lasting = false) {
   $("#note").textContent = text;
   clearTimeout(note.timer);
-  if (!lasting) note.timer = setTimeout(() => ($("#note").textContent = ""), 4000);
+  if (!lasting) note.timer = setTimeout(() => ($("#note").textContent = ""), 4000 + 100 * text.length);
 }
 
 function trouble(text) {
@@ -129,22 +130,16 @@ function changed(structure) {
   ask();
   if (structure) controls.build();
   else controls.update();
-  undoable();
+  showUndo(state.history);
   shared.named?.();
 }
 
 /** The same task is shown otherwise. */
 function chosen() {
-  undoable();
+  showUndo(state.history);
   $("#whole").checked = Boolean(state.choices.whole);
   if (page.families) beside.choose(state.task, page.families.families, state.choices);
   draw();
-}
-
-function undoable() {
-  // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
 }
 
 function ask() {

@@ -29,7 +29,9 @@ export function distances({ time_ms, path }, period) {
 }
 
 /** Power has a bound of its own for driving, above zero, and for braking, below. */
-const sidesOf = { power: [1], regeneration: [-1] };
+const sidesOf = { power: [1], regeneration: [-1], power_total: [1], regeneration_total: [-1] };
+/** "power of all axes / W" */
+const titleOf = ({ kind, unit: of }) => `${kind.replace(/_total$/, " of all axes").replaceAll("_", " ")} / ${unit(of)}`;
 
 const binds = (axis, sides) =>
   axis.values.some((v) => Math.abs(v) >= binding * axis.bound && sides.includes(Math.sign(v)));
@@ -58,7 +60,7 @@ export class Motion {
       if (!this.charts.has(quantity.kind)) {
         const section = make("section", { "data-kind": quantity.kind });
         this.place.append(section);
-        this.charts.set(quantity.kind, new Chart(section, { title: `${quantity.kind} / ${unit(quantity.unit)}` }));
+        this.charts.set(quantity.kind, new Chart(section, { title: titleOf(quantity) }));
       }
       const specs = [],
         limits = new Map(); // names of axes, by value
@@ -96,7 +98,7 @@ export class Motion {
       const chart = this.charts.get(quantity.kind);
       const bind = quantity.axes.filter((axis) => axis.bound !== null && binds(axis, sides)).map((axis) => axis.name);
       const names = bind.length ? `: ${bind.join(", ")} ${bind.length > 1 ? "bind" : "binds"}` : "";
-      chart.heading.textContent = `${quantity.kind} / ${unit(quantity.unit)}${names}`;
+      chart.heading.textContent = titleOf(quantity) + names;
       chart.show(
         specs,
         named(limits, quantity.axes.length),

@@ -42,8 +42,10 @@ function rangeText({ min, max }, times) {
   return near(min, times[0]) && near(max, times.at(-1)) ? "" : [min, max].map((t) => Number(t.toPrecision(6))).join();
 }
 function rangeFrom(text, times) {
-  const [min, max] = text.split(",").map(Number);
-  return max > min ? { min, max } : { min: times[0], max: times.at(-1) };
+  const [first, last] = [times[0], times.at(-1)];
+  const [from, to] = text.split(",").map(Number);
+  const part = { min: Math.max(first, from), max: Math.min(last, to) };
+  return part.max > part.min ? part : { min: first, max: last };
 }
 /** Shows this part of the time, a text as above. */
 export function zoomTo(charts, text) {

@@ -1,6 +1,8 @@
 // The page of a program: its path by speed, everything over time, where time is lost, one plan against the other.
 import { cornerText, openCorner } from "./corner.js";
+import { cornerList } from "./corner_list.js";
 import { $, four, instant, make, table } from "./format.js";
+import { showUndo, undoByKeys } from "./history.js";
 import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
 import { baseName, frozen, Saving } from "./save.js";
@@ -98,7 +100,9 @@ function drawTime() {
   for (const chart of charts.splice(0)) chart.destroy();
   const plan = program.plans[shown.plan],
     before = besides(plan);
-  const ranged = (time) => state.set({ time });
+  let made = false;
+  const ranged = (time) => (made ? state.set({ time }) : state.correct({ time }));
+  setTimeout(() => (made = true));
   const { time } = state.now;
   charts.push(...timeCharts($("#over-time"), program, { plan, before, follow, sample, step, bars, time, ranged }));
 }
@@ -117,7 +121,7 @@ function showMark(i, from) {
   Object.assign(follow, { busy: true, from });
   shown.mark = i;
   tell(i);
-  state.point(i < 0 ? "" : instant(program.plans[shown.plan].t_s[i]));
+  state.correct({ at: i < 0 ? "" : instant(program.plans[shown.plan].t_s[i]) });
   Object.assign(follow, { busy: false, from: null });
 }
 /** By keys: within what is shown of the time. */
@@ -172,34 +176,6 @@ function tables() {
   );
 }
 
-function cornerList() {
-  if (!program.corners.length) {
-    $("#corner-list").replaceChildren(make("p", {}, "The program turns nowhere: there is no corner to open."));
-    return;
-  }
-  const feeds = program.corners.some((c) => c.planned) ? "feeds of plan fixed" : "feeds";
-  const sharp = [...program.corners].sort((a, b) => a.angle_deg - b.angle_deg).slice(0, 20);
-  const link = (c) => {
-    const onclick = (event) => {
-      if (event.ctrlKey || event.metaKey || event.shiftKey) return; // in a window of its own
-      event.preventDefault();
-      choose(program.corners.indexOf(c));
-    };
-    return make("a", { href: addressOf(c), target: "_blank", onclick }, `line ${c.line}`);
-  };
-  const rows = sharp.map((c) => [
-    link(c),
-    c.at_mm.map(four).join(", "),
-    four(c.angle_deg),
-    feedsOf(c),
-    c.corner.error_max_um === undefined ? "\u2013" : four(c.corner.error_max_um),
-  ]);
-  $("#corner-list").replaceChildren(
-    make("h2", {}, `the sharpest of ${program.corners.length} corners: open one to design it by itself`),
-    make("div", { class: "wide" }, table(["corner", `${program.axes.join(", ")} / mm`, "angle / \u00b0", `${feeds} / mm/min`, "tolerance / \u00b5m"], rows)),
-  );
-}
-
 function summary() {
   const plan = program.plans[shown.plan],
     before = besides(plan);
@@ -243,9 +219,7 @@ function show(now, before) {
     const corner = now.corner && program.corners[Number(now.corner)];
     openCorner(corner ? cornerTitle(corner) : "", corner ? addressOf(corner) : null);
   }
-  // A button that is disabled would lose the focus of who presses it.
-  $("#undo").setAttribute("aria-disabled", String(!state.history.past.length));
-  $("#redo").setAttribute("aria-disabled", String(!state.history.future.length));
+  showUndo(state.history);
   requestAnimationFrame(() => pointAt(at));
 }
 
@@ -259,11 +233,7 @@ for (const button of document.querySelectorAll("#colour-by button"))
   button.addEventListener("click", () => state.set({ by: button.value === "limit" ? "limit" : "" }));
 $("#undo").addEventListener("click", () => state.undo());
 $("#redo").addEventListener("click", () => state.redo());
-addEventListener("keydown", (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-  event.preventDefault();
-  event.shiftKey ? state.redo() : state.undo();
-});
+undoByKeys(state);
 $("#corner button").addEventListener("click", () => (state.set({ corner: "" }), $("#path canvas").focus()));
 /** This page as one file, with that of the open corner in it. */
 async function pageText(wait) {
@@ -274,14 +244,15 @@ async function pageText(wait) {
   });
 }
 const saving = new Saving();
-const base = baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""));
-$("#save").addEventListener("click", () => saving.save(pageText, base, (text) => ($("#info").textContent = text || "\u00a0")));
+const file = `${baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""))}.html`;
+const say = (text) => ($("#info").textContent = text || "\u00a0");
+$("#save").addEventListener("click", () => saving.save(pageText, file, say));
 addEventListener("resize", () => {
   clearTimeout(drawTime.later);
   drawTime.later = setTimeout(() => (drawTime(), tables(), requestAnimationFrame(() => pointAt(state.now.at))), 200);
 });
 show(state.now);
-cornerList();
+cornerList(program, { addressOf, feedsOf, open: choose });
 document.title = `accdec explore: ${program.name}`;
 globalThis.accdecProgram = { program, scene, charts, shown, state, addressOf, shades, pageText };
 document.body.classList.add("ready");

@@ -16,6 +16,10 @@ export const baseName = (name) =>
     .slice(0, 60) || "task";
 const taskName = ({ state }) => baseName(state.task.title ?? "");
 
+const no_number = "not saved: a field has no number that is allowed";
+const has = (name) => document.body.classList.contains(name);
+const unread = () => has("unread");
+
 export async function copyTask(shared) {
   try {
     const text = await askText("file", shared.state.task);
@@ -34,35 +38,35 @@ export async function copyTask(shared) {
 const endings = { c: "h", cascade: "json", klipper: "cfg", q15: "h", q31: "h" };
 /** A file's name; that of a component of LinuxCNC is the component's. */
 export function fileName(name, format) {
+  if (format === "task") return `${name}.toml`;
   if (format === "result") return `${name}-result.json`;
   if (format === "linuxcnc-comp") return "accdec_filter.comp";
   const ending = endings[format] ?? format;
   return ending === format ? `${name}.${ending}` : `${name}-${format}.${ending}`;
 }
 
-export function exportChoice(select, shared) {
+/** A menu of formats, and the button that exports: arrow keys go through the choices of a closed menu. */
+export function exportChoice(select, button, shared) {
   const choices = [
     ["task", "task file"],
     ["result", "result, with its proof"],
     ...shared.start.formats.map((f) => [f, `taps, ${f}`]),
   ];
-  select.append(
-    make("option", { value: "" }, "choose .."),
-    ...choices.map(([value, text]) => make("option", { value }, text)),
-  );
-  select.addEventListener("change", async () => {
+  select.append(...choices.map(([value, text]) => make("option", { value }, text)));
+  const saving = new Saving();
+  const exported = async (format, wait) => {
+    if (unread()) throw new Error(no_number);
+    if (format === "task") return askBlob("file", shared.state.task);
+    const how = { format, seconds: 20, slot: format };
+    if (format === "result") return askBlob("export", shared.state.task, how);
+    await answered(shared, wait); // taps are those on the page
+    const { result } = shared.page.design ?? {};
+    if (!result?.filter) throw new Error("there is no design to export");
+    return askBlob("export", result, how);
+  };
+  button.addEventListener("click", () => {
     const format = select.value;
-    select.value = "";
-    try {
-      const name = taskName(shared);
-      if (format === "task") return download(await askBlob("file", shared.state.task), `${name}.toml`);
-      const body = format === "result" ? shared.state.task : shared.page.design?.result;
-      if (!body) throw new Error("there is no design to export");
-      const blob = await askBlob("export", body, { format, seconds: 20, slot: format });
-      download(blob, fileName(name, format));
-    } catch (error) {
-      shared.note(error.message);
-    }
+    saving.save((wait) => exported(format, wait), fileName(taskName(shared), format), shared.note);
   });
 }
 
@@ -101,7 +105,7 @@ export async function frozen(change = () => {}) {
     canvas.replaceWith(image);
   });
   copy
-    .querySelectorAll("script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, select.more, .group .tools, input[type=range]")
+    .querySelectorAll("script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, .more, .group .tools, input[type=range]")
     .forEach((e) => e.remove());
   const wanted = [...copy.querySelectorAll("[tabindex]")];
   wanted.forEach((e) => e.removeAttribute("tabindex"));
@@ -126,24 +130,28 @@ export async function frozen(change = () => {}) {
 const longest = 90; // s: questions have up to 60 s
 
 /**
- * The present state, with its task. What is still being computed is waited for, so that the page saved speaks of one
- * task. @throws Error where there is no answer to what the fields say
+ * Waits for what is still being computed, so that what is saved speaks of one task.
+ * @throws Error where there is no answer to what the fields say
  * @param wait  {tell(what): called with what is waited for; ends(): true to wait no longer}
  */
-export async function pageText(shared, wait = {}) {
-  const has = (name) => document.body.classList.contains(name);
+async function answered(shared, wait) {
   const began = performance.now();
   const seconds = () => (performance.now() - began) / 1e3;
   const awaited = () => {
-    const names = has("unread") ? [] : shared.awaited();
-    return names.length || has("unread") || !has("stale") ? names : ["the design"];
+    const names = unread() ? [] : shared.awaited();
+    return names.length || unread() || !has("stale") ? names : ["the design"];
   };
   for (let names; (names = awaited()).length && seconds() < longest && !wait.ends?.(); ) {
     wait.tell?.(`waiting for ${names.join(", ")}: ${seconds().toFixed(0)} s`);
     await new Promise((go) => setTimeout(go, 50));
   }
-  if (has("unread")) throw new Error("not saved: a field has no number that is allowed");
+  if (unread()) throw new Error(no_number);
   if (has("stale")) throw new Error("not saved: these numbers have no answer yet; save when it is there");
+}
+
+/** The present state, with its task. @throws Error where there is no answer @param wait  see answered */
+export async function pageText(shared, wait = {}) {
+  await answered(shared, wait);
   const task = askText("file", shared.state.task);
   const summary = make("summary", {}, "The task, as a task file");
   return frozen(async (copy) =>
@@ -152,17 +160,17 @@ export async function pageText(shared, wait = {}) {
 }
 
 /**
- * Saves a page as soon as it is complete; asked once more meanwhile, it waits no longer.
- * @param text  gives the page, see pageText  @param tell  called with (text, lasting)
+ * Saves a file as soon as it is complete; asked once more meanwhile, it waits no longer.
+ * @param content  gives a text or a blob, see pageText  @param tell  called with (text, lasting)
  */
 export class Saving {
-  async save(text, name, tell) {
+  async save(content, name, tell) {
     if (this.running) return void (this.ended = true);
     Object.assign(this, { running: true, ended: false });
     try {
       const said = (what) => tell(`${what}; press again to end that`, true);
-      const page = await text({ tell: said, ends: () => this.ended });
-      download(new Blob([page], { type: "text/html" }), `${name}.html`);
+      const found = await content({ tell: said, ends: () => this.ended });
+      download(found instanceof Blob ? found : new Blob([found], { type: "text/html" }), name);
       tell("");
     } catch (error) {
       tell(error.message);
@@ -171,4 +179,4 @@ export class Saving {
   }
 }
 const saving = new Saving();
-export const savePage = (shared) => saving.save(shared.pageText, taskName(shared), shared.note);
+export const savePage = (shared) => saving.save(shared.pageText, `${taskName(shared)}.html`, shared.note);

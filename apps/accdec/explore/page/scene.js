@@ -53,7 +53,7 @@ export class Scene {
   set view(text) {
     this.home();
     const [yaw, pitch, zoom, x, y] = text.split(",").map(Number);
-    if (![yaw, pitch, zoom, x, y].every(Number.isFinite)) return this.draw();
+    if (![yaw, pitch, zoom, x, y].every((v) => Math.abs(v) < 1e6)) return this.draw(); // no numbers, or far away
     const shift = [x, y].map((v) => v * this.canvas.clientWidth);
     Object.assign(this, { yaw: yaw * degree, shift, zoom: 1 });
     this.pitch = 0;

@@ -26,10 +26,11 @@ export class Shown {
     }, 200);
   }
 
-  /** The place of the cursor stands in the address, and is not undone. */
-  point(at) {
-    if (at === this.now.at) return;
-    this.now = { ...this.now, at };
+  /** For the address only: the cursor, which is not undone, and what an address meant that could not be shown so. */
+  correct(change) {
+    const next = { ...this.now, ...change };
+    if (names.every((name) => next[name] === this.now[name])) return;
+    this.now = next;
     this.toAddress();
   }
 

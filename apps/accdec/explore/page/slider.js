@@ -135,8 +135,9 @@ export function slider(key, id, now, put) {
     const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
     if (!way || !event.shiftKey) return;
     event.preventDefault();
-    range.value = Number(range.value) + 10 * way;
-    range.dispatchEvent(new Event("input"));
+    const before = range.value;
+    range.value = Number(before) + 10 * way;
+    if (range.value !== before) range.dispatchEvent(new Event("input"));
   });
   number.addEventListener("input", () => {
     const value = Number(number.value);

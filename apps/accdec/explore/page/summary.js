@@ -61,10 +61,12 @@ export function summary(page) {
   if (filterOfToday(task) && own) {
     const saved = objective(own) - time;
     const retuned = best.find((f) => f.name === page.families.own_family);
+    const by = retuned ? ms(objective(own) - retuned.objective_s) : "0";
+    const less = ms(saved) === "0" ? "just as long" : saved < 0 ? `${ms(-saved)} ms more` : `${ms(saved)} ms less`;
     parts.push(
       `Today: ${ms(objective(own))} ms; `,
-      make("b", { id: "saved", "data-value": saved }, saved < 0 ? `${ms(-saved)} ms more` : `${ms(saved)} ms less`),
-      retuned ? ` (${ms(objective(own) - retuned.objective_s)} by setting today\u2019s filter otherwise)` : "",
+      make("b", { id: "saved", "data-value": saved }, less),
+      by === "0" ? "" : ` (${by} by setting today\u2019s filter otherwise)`,
       ".",
     );
   } else if (filterOfToday(task)) {

@@ -114,7 +114,8 @@ export function familyTable(all, own, design, task, period, chosen, choose, open
     for (const f of rest) reasons.set(f.message, [...(reasons.get(f.message) ?? []), f.title]);
     const lines = [...reasons].map(([why, titles]) => make("p", { class: "small" }, `${titles.join("; ")}: ${why}`));
     const names = rest.map((f) => f.title).join("; ");
-    parts.push(make("details", { class: "small", open }, make("summary", {}, `Without a filter: ${names}`), ...lines));
+    const summary = make("summary", {}, `Without a filter: ${names}`);
+    parts.push(make("details", { class: "small", id: "reasons", open }, summary, ...lines));
   }
   return parts;
 }
@@ -123,12 +124,15 @@ export function familyTable(all, own, design, task, period, chosen, choose, open
 export function cornerButtons(place, result, chosen, choose) {
   const names = result.corners.map((c) => c.name);
   place.hidden = names.length < 2;
-  const shown = JSON.stringify([names, chosen]);
-  if (place.dataset.shown === shown) return;
-  place.dataset.shown = shown;
-  const button = (name, i) =>
-    make("button", { type: "button", "aria-pressed": String(i === chosen), onclick: () => choose(i) }, name);
-  place.replaceChildren(...names.map(button));
+  const shown = JSON.stringify(names);
+  if (place.dataset.shown !== shown) {
+    place.dataset.shown = shown;
+    const focused = place.contains(document.activeElement);
+    const button = (name, i) => make("button", { type: "button", onclick: () => choose(i) }, name);
+    place.replaceChildren(...names.map(button));
+    if (focused) place.children[chosen].focus();
+  }
+  [...place.children].forEach((button, i) => button.setAttribute("aria-pressed", String(i === chosen)));
 }
 
 /** In the numbers of the command line. */

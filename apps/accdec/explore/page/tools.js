@@ -1,5 +1,7 @@
 // The buttons of the page.
 import { $, make } from "./format.js";
+import { undoByKeys } from "./history.js";
+import { printing } from "./paper.js";
 import { askJson } from "./requests.js";
 import { copyTask, exportChoice, savePage } from "./save.js";
 import { explanationTable } from "./tables.js";
@@ -11,7 +13,7 @@ export function tools(shared, draw) {
   $("#reset").onclick = () => state.reset();
   $("#copy").onclick = () => copyTask(shared);
   $("#save").onclick = () => savePage(shared);
-  exportChoice($("#export"), shared);
+  exportChoice($("#export"), $("#download"), shared);
   $("#whole").onchange = (event) => state.choose({ whole: event.target.checked });
   $("#tap-table").ontoggle = draw;
   const changed = make("option", { value: "changed", hidden: true, disabled: true }, "changed");
@@ -32,7 +34,8 @@ export function tools(shared, draw) {
   $("#explain").onclick = async () => {
     const button = $("#explain"),
       place = $("#limits .wide");
-    button.disabled = true;
+    if (place.classList.contains("running")) return;
+    button.setAttribute("aria-disabled", "true"); // disabled, it would lose the focus
     place.classList.add("running");
     const asked = structuredClone(state.task);
     place.replaceChildren("solving the task again with more room for every limit ..");
@@ -43,28 +46,9 @@ export function tools(shared, draw) {
     } catch (error) {
       place.replaceChildren(error.message);
     }
-    button.disabled = false;
+    button.removeAttribute("aria-disabled");
     place.classList.remove("running");
   };
-  // A page of paper cannot be unfolded.
-  const folded = [];
-  addEventListener("beforeprint", () => {
-    // The media query of the screen for two drawings beside each other, which paper cannot ask.
-    document.body.classList.toggle("columns", matchMedia("(min-width: 76rem)").matches);
-    folded.push(...document.querySelectorAll("#controls details:not([open])"));
-    for (const group of folded) group.open = true;
-  });
-  addEventListener("afterprint", () => {
-    for (const group of folded.splice(0)) group.open = false;
-  });
-  addEventListener("keydown", (event) => {
-    if (
-      !(event.ctrlKey || event.metaKey) ||
-      event.key.toLowerCase() !== "z" ||
-      event.target.matches("input[type=text]")
-    )
-      return;
-    event.preventDefault();
-    event.shiftKey ? state.redo() : state.undo();
-  });
+  printing(shared);
+  undoByKeys(state);
 }
