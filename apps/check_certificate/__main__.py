@@ -1,6 +1,4 @@
-"""Checks the certificates of results of `accdec design` in exact rational arithmetic, by formulas of its own. Says what
-is proved of each, or why nothing is; exit 0 if all are accepted, 1 if any is not, 2 on a file that cannot be read.
-Designs themselves are not checked: `accdec verify` simulates them. Needs Python 3.9 and nothing else."""
+"""Says what the certificates of results of `accdec design` prove. Exit 0: all hold; 1: one does not; 2: unreadable."""
 import argparse
 import sys
 

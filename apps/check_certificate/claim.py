@@ -3,6 +3,7 @@ import base64
 import json
 import math
 import zlib
+from collections import Counter
 from decimal import Decimal
 from importlib import import_module, util
 
@@ -13,7 +14,10 @@ from enclosure import NotCovered, Refused, number, refuse_if, whole
 from problem import ROUNDING, WIDER
 from tree import Tree
 
-MEMBERS = set("kind schema objective runs tolerance bound_samples conflict multipliers lemmas tree".split())
+# Members of each kind of certificate; those that are lists.
+MEMBERS = {"packed": {"gzip"}, "enumeration": set(), "families": {"bound_samples", "refuted", "taps"},
+           "branch and bound": set("objective runs tolerance bound_samples conflict multipliers lemmas tree".split())}
+LISTS = {"conflict", "multipliers", "lemmas", "tree", "refuted"}
 
 
 def _decimal(text):
@@ -32,11 +36,23 @@ def parse(text):
     return json.loads(text, parse_float=_decimal, parse_constant=_decimal, object_pairs_hook=_object)
 
 
+def known(certificate, kinds):
+    """A certificate, if it is of one of these kinds."""
+    kind, schema = certificate["kind"], certificate.get("schema")
+    right = kind in kinds and (schema == "accdec.certificate/1" or kind == "enumeration" and schema is None)
+    refuse_if(not right, f"a certificate of the kind {kind!r} and schema {schema!r}", NotCovered)
+    wrong = [key for key, x in certificate.items()
+             if key not in {"kind", "schema"} | MEMBERS[kind] or isinstance(x, list) != (key in LISTS)
+             or x is None and key != "bound_samples"]
+    refuse_if(wrong, f"a certificate of the kind {kind!r} with such members {wrong}", NotCovered)
+    return certificate
+
+
 def unpacked(certificate):
     if certificate["kind"] != "packed":
         return certificate
     unpack = zlib.decompressobj(16 + zlib.MAX_WBITS)
-    text = unpack.decompress(base64.b64decode(certificate["gzip"], validate=True), 2 * 10**9)
+    text = unpack.decompress(base64.b64decode(known(certificate, ["packed"])["gzip"], validate=True), 2 * 10**9)
     refuse_if(not unpack.eof or unpack.unused_data, "the packed certificate is cut off or has something behind it")
     return parse(text.decode())
 
@@ -67,32 +83,30 @@ def target_of(result, problem, bound, proved):
     if result["status"] == "optimal":
         refuse_if(target < cost * (1 - ROUNDING), "the status is optimal, but the lower bound is below that time")
         target = cost
-    if proved is None:
-        return target
+    refuse_if(proved is None, "the certificate proves that nothing exists, the result has a design")
     refuse_if(number(proved) < target * (1 - ROUNDING), "the certificate proves less than the result claims")
     return number(proved)
 
 
 def enumeration(result, problem, _):
     refuse_if(not problem.given_filter, "the certificate is about a given filter, the task leaves the filter open")
-    slow = any("feed_part" in c for c in result["corners"])
-    reason = "that a given filter has no delays at all, or passes corners at a part of the feed"
-    refuse_if(slow or result["status"] != "optimal", reason, NotCovered)
-    taps, found, _ = recorded(result, problem)
-    target_of(result, problem, "lower_bound_s", None)
+    refuse_if(result["status"] != "optimal", "that a given filter has no delays at all", NotCovered)
+    slow = problem.corner_feeds or any("feed_part" in c for c in result["corners"])
+    refuse_if(slow, "a proof about delays for a control that may pass corners at a part of the feed", NotCovered)
+    taps, found, cost = recorded(result, problem)
+    target_of(result, problem, "lower_bound_s", cost)
     tried = members.smallest_delays(problem, taps, found)
     return f"{tried} smaller delays of the recorded taps refuted (not checked: that these are the task's filter)"
 
 
 def searched(problem, certificate, target):
     """Problem and target that the tree of a certificate is about."""
-    unknown = set(certificate) - MEMBERS
-    refuse_if(unknown, f"a certificate with the members {sorted(unknown)}", NotCovered)
     return problem, target
 
 
 def branch_and_bound(result, problem, certificate):
     refuse_if(problem.given_filter, "a proof over all filters for a task that gives one", NotCovered)
+    refuse_if(problem.corner_feeds, "the certificate is about corners at their feeds, the control may pass them slower")
     refuse_if(certificate["objective"] != problem.objective, "the certificate is about another objective than the task")
     refuse_if(number(certificate.get("tolerance", WIDER - 1)) != WIDER - 1, "the certificate is about other limits")
     other = problem.objective == "cycle" and number(certificate["runs"]) != problem.runs
@@ -109,13 +123,14 @@ def of_families(result, problem, certificate):
     refuse_if("family" not in result["task"].get("design", {}), "a certificate about families, the task names none")
     target = target_of(result, problem, "family_bound_s", certificate["bound_samples"])
     refuted = families.refute(problem, result["task"], target)
-    counted = sum(whole(count) for _, _, count in certificate["refuted"])
-    refuse_if(counted != refuted, f"the certificate counts {counted} members, there are {refuted}")
+    counted = sum((Counter({family: whole(count, 0)}) for family, _, count in certificate["refuted"]), Counter())
+    refuse_if(counted != refuted, f"the certificate counts the members {dict(counted)}, there are {dict(refuted)}")
     least = "keeps all limits" if target is None else f"is shorter than {float(target * problem.period):.9g} s"
-    words = f"{refuted} members refuted: no member {least}"
+    words = f"{sum(refuted.values())} members refuted: no member {least}"
     if result.get("lower_bound_s") is None:
         return words
-    return f"{words}; free taps: {branch_and_bound(dict(result, status='feasible'), problem, certificate['taps'])}"
+    problem.corner_feeds, taps = False, known(certificate["taps"], ["branch and bound"])
+    return f"{words}; free taps: {branch_and_bound(dict(result, status='feasible'), problem, taps)}"
 
 
 CHECKS = {"enumeration": enumeration, "branch and bound": branch_and_bound, "families": of_families}
@@ -123,24 +138,18 @@ CHECKS = {"enumeration": enumeration, "branch and bound": branch_and_bound, "fam
 
 def check_by_what_is_known(text):
     try:
-        result = parse(text)
+        result = parse(text.removeprefix("\ufeff"))  # a byte order mark
         refuse_if(result.get("certificate") is None, "there is no certificate")
-        known = result["status"] in ("optimal", "feasible", "infeasible")
-        refuse_if(not known, f"the status {result['status']!r}", NotCovered)
-        problem, certificate = problems.read(result["task"]), unpacked(result["certificate"])
-        kind, schema = certificate["kind"], certificate.get("schema")
-        known = kind in CHECKS and (kind == "enumeration" or schema == "accdec.certificate/1")
-        refuse_if(not known, f"a certificate of the kind {kind!r} and schema {schema!r}", NotCovered)
-        return CHECKS[kind](result, problem, certificate)
-    except RecursionError as error:
-        raise Refused("it is nested too deeply") from error
-    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, zlib.error) as error:
+        right = result["schema"] == "accdec.result/1" and result["status"] in ("optimal", "feasible", "infeasible")
+        refuse_if(not right, f"the status {result['status']!r}, or the result's schema", NotCovered)
+        problem, certificate = problems.read(result["task"]), known(unpacked(result["certificate"]), CHECKS)
+        return CHECKS[certificate["kind"]](result, problem, certificate)
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, zlib.error) as error:
         raise Refused(f"it cannot be read: {type(error).__name__}: {error}") from error
 
 
 def check(text):
-    """What is proved, in words. The folder `more` adds what no shipped proof uses, once something is not known.
-    @raise Refused"""
+    """What is proved, in words. The folder `more` adds what no shipped proof uses, once something is not known."""
     try:
         return check_by_what_is_known(text)
     except NotCovered:

@@ -1,12 +1,13 @@
-"""Proofs about families of a controller's filters: every member that could be shorter breaks a limit or needs delays
-that cost too much."""
+"""Proofs about families of filters: every member that could be shorter breaks a limit or needs delays that do."""
+from collections import Counter
 from fractions import Fraction
 from functools import lru_cache, reduce
 from itertools import accumulate, combinations_with_replacement
 from math import ceil, inf
 
+import members
 from enclosure import PI, NotCovered, exact, exponential, number, refuse_if, turned, whole
-from members import Filter, not_refuted, ways_left
+from members import Filter, ways_left
 from problem import ROUNDING, convolved
 from rows import Limits
 
@@ -119,9 +120,9 @@ def passes_too_late(problem, controller, member, room):
 
 
 def refute(problem, task, target):
-    """Number of members refuted: all that cost less than the target. None: all there are."""
+    """Numbers of members refuted, by family: all that cost less than the target. None: all there are."""
     given = sum(c.weight * c.delay for c in problem.corners if c.delay is not None)
-    limits, refuted, end, room = Limits(problem), 0, problem.order_max + 1, inf
+    limits, refuted, end, room = Limits(problem), Counter(), problem.order_max + 1, inf
     if target is not None:
         target *= 1 - ROUNDING
         end = min(end, max(0, ceil((target - given) / problem.filter_cost) - 1))
@@ -131,6 +132,6 @@ def refute(problem, task, target):
             room = target - problem.filter_cost * len(taps.lo)
         broken = member.starts_or_stops_break() or member.rings()
         if not broken and not passes_too_late(problem, task.get("controller", {}), member, room):
-            not_refuted(problem, f"a member of the family {family} with {len(taps.lo)} taps is not refuted")
-        refuted += 1
+            members.not_refuted(f"a member of the family {family} with {len(taps.lo)} taps is not refuted")
+        refuted[family] += 1
     return refuted

@@ -4,13 +4,11 @@ from functools import cached_property, lru_cache
 from itertools import product
 from math import ceil, inf
 
-from enclosure import ONE, Enclosure, NotCovered, Refused, exact, number, refuse_if
+from enclosure import ONE, Enclosure, NotCovered, exact, number, refuse_if
 from problem import convolved
 from rows import Limits, turns
 
 NOTHING = Enclosure([0])
-# Limits that a filter is not held against here.
-UNREAD = {"force_max_N", "power_max_W", "regeneration_max_W", "speed_min_mm_s"}
 
 
 class Filter:
@@ -89,11 +87,9 @@ def along(gone, into, out, delay):
     return (1 - gone.then(Enclosure([ONE] * delay))) * into + Enclosure([0] * delay).then(gone) * out
 
 
-def not_refuted(problem, reason):
-    """Why a filter is not refuted: it is a design, or breaks a limit that is not looked at here."""
-    unread = UNREAD & problem.limited
-    refuse_if(unread, f"{reason}; not looked at: {', '.join(sorted(unread))}", NotCovered)
-    raise Refused(reason)
+def not_refuted(reason):
+    """A filter is a design, or breaks a limit that is not looked at here."""
+    raise NotCovered(reason)
 
 
 def smallest_delays(problem, taps, delays):
@@ -104,5 +100,5 @@ def smallest_delays(problem, taps, delays):
     tried = [(j, d) for j, c in enumerate(problem.corners) if c.delay is None for d in range(delays[j])]
     for j, delay in tried:
         if not given.breaks(j, delay):
-            not_refuted(problem, f"corner {problem.corners[j].name}: the delay {delay} breaks no limit, or none surely")
+            not_refuted(f"corner {problem.corners[j].name}: the delay {delay} breaks no limit, or none surely")
     return len(tried)

@@ -1,5 +1,4 @@
-"""The problem a proof is about, from the task in a result file: SI, exact rationals, and enclosures of what is
-irrational. Its limits are those that a verification would take for held."""
+"""The problem a proof is about, from a result's task, in SI. Limits are those that a verification takes for held."""
 from collections import namedtuple
 from fractions import Fraction
 from math import prod
@@ -25,7 +24,7 @@ KEYS = {
     "corner": set("name angle_deg heading_deg turn direction_in direction_out feed_in_mm_min feed_out_mm_min "
                   "error_max_um speed_min_mm_s delay_samples weight".split()),
     "mode": {"frequency_Hz", "damping_ratio", "residual_max"},
-    "controller": set("name file title parameters parameter_units parameter_unit_ms position_unit_um delays "
+    "controller": set("title parameters parameter_units parameter_unit_ms position_unit_um delays "
                       "delay_words in_position_of in_position_latency_ms".split()),
     "design": set("order_min order_max symmetric objective runs coefficient_bits family stages length_step_ms "
                   "length_max_ms alpha_step cutoff_step_Hz".split()),
@@ -138,7 +137,8 @@ def read(task):
     axes = [read_axis(table, period, fastest) for table in tables["axis"]]
     problem = SimpleNamespace(
         period=period, fastest=fastest, corners=corners, axes=axes, modes=[*map(read_mode, tables["mode"])],
-        limited={kind for table in (*tables["axis"], *tables["corner"]) for kind in table},
+        corner_feeds=any("corner-feed" in (table.get("delays") or []) for table in tables["controller"])
+        and any(not c.delay for c in corners) and ("filter" in task or "family" in design),  # no free taps
         given_filter="filter" in task, response=read_servo(tables["axis"], period),
         order_min=max(whole(design.get("order_min", 1)), 0), order_max=whole(design.get("order_max", 400)),
         objective=design.get("objective", "cycle"), runs=number(design.get("runs", 1)))

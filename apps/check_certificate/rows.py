@@ -1,5 +1,4 @@
-"""Limits of a task as rows `terms <= bound`, from the names a certificate gives them. A row holds for every design in
-the part of the search that it is asked for; README.md of lib/accdec/certificate has the formulas."""
+"""Limits of a task as rows `terms <= bound` that hold for every design in a part; formulas: lib/accdec/certificate."""
 from functools import lru_cache
 
 from enclosure import ONE, PI, Enclosure, NotCovered, exact, number, refuse_if, square_root, turned, whole
@@ -30,8 +29,9 @@ class Limits:
         self.tap_max = self.ramp_max = ONE  # at least what any tap, any difference of two may be, times ONE
         for a, axis in enumerate(problem.axes):
             legs = [(c.speed_in[a], c.speed_out[a]) for c in problem.corners]
-            # An axis that one leg alone moves starts and stops in the blend as well.
-            ends = ([abs(x if x.lo or x.hi else y).lo for x, y in one] for one in (legs, [leg[::-1] for leg in legs]))
+            # An axis that one leg alone moves starts and stops in the blend as well, at feed.
+            ends = ([abs(x if x.lo or x.hi or problem.corner_feeds else y).lo for x, y in one]
+                    for one in (legs, [leg[::-1] for leg in legs]))
             self.ends.append([Enclosure(max(speeds)) for speeds in ends])
             for stop, speed in enumerate(self.ends[-1]):
                 if speed.lo > 0:
@@ -55,13 +55,17 @@ class Limits:
             box.tube = tube(self.before, self.tap_max, self.ramp_max, box.order, box.cuts)
         return box.tube
 
-    def row(self, entry, box):
-        """The row that an entry names, without its multiplier. @raise Empty if no filter is in the part"""
+    def known(self, entry):
+        """Refuses an entry that names no row."""
         name = entry[0]
         refuse_if(not isinstance(name, str) or name not in KINDS, f"a row of the kind {name!r}", NotCovered)
         refuse_if(self.longer and name not in BEHIND_A_SERVO, f"a row `{name}` behind a response", NotCovered)
-        kind, named, *options = KINDS[name]
+        named = KINDS[name][1]
         refuse_if(len(entry) != len(named) + 2, f"a row `{name}` has {len(entry)} entries, not {len(named) + 2}")
+
+    def row(self, entry, box):
+        """The row that an entry names, without its multiplier. @raise Empty if no filter is in the part"""
+        name, (kind, named, *options) = entry[0], KINDS[entry[0]]
         refuse_if(box.window and name not in IN_WINDOWS, f"a row `{name}` says nothing of filters of any order")
         row = Row(self, box)
         kind(row, *options, *(self.named(*x) for x in zip(named, entry[1:])))
@@ -77,8 +81,7 @@ class Limits:
 
 class Row:
     """Least coefficients of what is never negative: of taps b_i; of others, which are all corners' delays, then all
-    their samples, less the least of their ranges. All else is made of taps: B_k = sum_{i<k} b_i,
-    p_k = sum b_i max(i - k, 0), q_m = sum b_i max(m - i, 0)."""
+    their samples, less the least of their ranges. B_k, p_k and q_m are sums of taps."""
 
     def __init__(self, limits, box):
         self.limits, self.problem, self.box, self.bound = limits, limits.problem, box, 0
@@ -101,9 +104,9 @@ class Row:
 
     def to_go(self, k, c):
         """c p_k behind the response's taps. The first tap of a window stands for those before it: it has no part."""
-        first = 1 if self.box.window else 0
         for j in range(self.limits.longer + 1):
-            self.add(c * self.problem.response[j], (max(i - k + j, 0) * (i >= first) for i in self.indices))
+            weights = (max(i - k + j, 0) * (i > 0 or not self.box.window) for i in self.indices)
+            self.add(c * self.problem.response[j], weights)
 
     def gone(self, m, c):
         """c q_m behind the response's taps"""
@@ -120,8 +123,6 @@ class Row:
         if self.limits.tube(self.box) is None:
             raise Empty
         return Enclosure(*(end[min(max(k, 0), self.box.order + 1)] for end in self.box.tube))
-
-    # ---- One a kind of row.
 
     def tap_difference(self, k, sign):
         self.inside(k, k - 1)
@@ -200,8 +201,7 @@ class Row:
 
     def seen(self, j, angle, exactly):
         """cos(alpha) v1 p + cos(theta - alpha) v2 q <= eps/T, over the faster feed: coefficients of p and q. Unless p
-        and q are known exactly, those below zero are traded for the most they take away: p <= N, and as much more as
-        the response's taps are, q <= k - d."""
+        and q are known exactly, those below zero are traded for the most they take away: p <= N + R, q <= k - d."""
         corner, (d1, _, _, k2), (ca, sa) = self.problem.corners[j], self.box.corners[j], turned(0, angle)
         self.limit(corner.error / self.problem.period / corner.fastest)
         of_p = ca * (corner.feed_in / corner.fastest)

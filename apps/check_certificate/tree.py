@@ -1,5 +1,5 @@
 """The tree of a proof: parts of all designs, each split in two or refuted, in preorder."""
-from fractions import Fraction
+from itertools import chain
 from math import ceil, floor
 
 from enclosure import ONE, NotCovered, number, refuse_if, whole
@@ -8,8 +8,8 @@ from rows import Empty, Limits
 
 
 class Part:
-    """Ranges of the order "N"; of the delay (j, "d"), the sample (j, "k") and the contour time (j, "c") of corner j; of
-    the response (s, "B") at sample s. What the target leaves for delays. In a window filters have any order."""
+    """Ranges of the order "N", of delay (j, "d") and sample (j, "k") of corner j, of the response (s, "B") at sample s.
+    What the target leaves for delays. In a window filters have any order."""
 
     def __init__(self, ranges, budget=None, window=False):
         self.ranges, self.budget, self.window, self.order = ranges, budget, window, ranges["N"][1]
@@ -28,6 +28,8 @@ class Tree:
     def __init__(self, problem, certificate, target):
         self.problem, self.limits = problem, Limits(problem)
         self.sets, self.lemmas = certificate["multipliers"], certificate.get("lemmas", [])
+        for entry in chain(*self.sets):
+            self.limits.known(entry)
         self.known, self.leaves, self.limit = 0, 0, None  # limit: what a design must cost less than
         for lemma in self.lemmas:  # whatever it costs, and by no other lemma
             self.lemma(lemma)
@@ -45,7 +47,7 @@ class Tree:
 
     def all_samples(self, ranges, j, order):
         last = ranges[j, "d"][1] + order + 1 + self.limits.longer
-        ranges[j, "k"], ranges[j, "c"] = (0, last), (Fraction(0), Fraction(last))
+        ranges[j, "k"] = 0, last
 
     def whole(self, tree, ranges, window=False):
         self.tree, self.at = tree, 0
@@ -81,9 +83,7 @@ class Tree:
             d1, d2 = ranges[j, "d"]
             d2 = d2 if budget is None else min(d2, d1 + floor(budget / corner.weight))
             left[j, "d"] = d1, d2
-            # There the motion has ended: a contour that holds later holds there.
-            for key in ((j, "k"), (j, "c")):
-                left[key] = ranges[key][0], min(ranges[key][1], order + 1 + self.limits.longer + d2)
+            left[j, "k"] = ranges[j, "k"][0], min(ranges[j, "k"][1], order + 1 + self.limits.longer + d2)
         return Part(left | {"N": (least, order)}, budget, window)
 
     def next(self):
@@ -112,7 +112,7 @@ class Tree:
             covers = all(part.corners[j][1] <= delay for j, delay in lemma["delays"])
             refuse_if(not covers or most > lemma.get("order", most), f"{part} is not in lemma {node[1]}")
         else:
-            for half in self.halves(node, ranges, "dk" if window else "dkcBN"):
+            for half in self.halves(node, ranges, "dk" if window else "dkBN"):
                 self.node(half, depth + 1, window)
 
     def halves(self, node, ranges, kinds):
@@ -122,7 +122,7 @@ class Tree:
         key = "N" if kind == "N" else (whole(node[0], kind == "B"), kind)
         refuse_if(kind != "B" and key not in ranges, "the tree splits a corner that is not there")
         low, high = ranges.get(key, (0, 1))
-        at, apart = (number(at), 0) if kind in "Bc" else (whole(at), 1)
+        at, apart = (number(at), 0) if kind == "B" else (whole(at), 1)
         refuse_if(not low <= at <= high - apart, "the tree splits outside the part")
         return ranges | {key: (low, at)}, ranges | {key: (at + apart, high)}
 
@@ -137,11 +137,11 @@ class Tree:
         refuse_if(least < 0, "a multiplier is negative")
         for entry, y in zip(rows, factors):
             try:
-                row = self.limits.row(entry, part) if y else None
+                row = self.limits.row(entry, part)
             except Empty:
                 return
-            if row is None or row.bound >= 0 and not any(row.taps + row.others):
-                continue  # it says nothing of the filter, and holds
+            if y == 0 or max(row.taps) <= row.bound and max(row.others) <= 0:
+                continue  # it holds whatever the filter, whose taps have the sum 1
             factor = int(y / most * 2**64)  # any in this proportion prove
             total = [a + factor * c for a, c in zip(total, row.taps + row.others)]
             bound += factor * row.bound

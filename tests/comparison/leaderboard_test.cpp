@@ -71,7 +71,7 @@ TEST(Leaderboard, CountsByDifficulty) {
   EXPECT_EQ(board_cell(t, "slow", "of"), "2") << "open problems and those without answer do not count";
   EXPECT_EQ(board_cell(t, "slow", "easy / %"), "100.0");
   EXPECT_EQ(board_cell(t, "slow", "median time / s"), "0.5");
-  EXPECT_EQ(board_cell(t, "slow", "no answer recognised"), "1");
+  EXPECT_EQ(board_cell(t, "slow", "infeasibility recognised"), "1");
   EXPECT_EQ(board_cell(t, "slow", "wrong claims"), "0");
   EXPECT_EQ(board_cell(t, "quick", "easy / %"), "100.0");
   EXPECT_EQ(board_cell(t, "quick", "hard / %"), "0.0");

@@ -80,6 +80,89 @@ TEST(FreeTapsOfControls, AreDesignedForOneKindOfDelay) {
   EXPECT_THROW(parse_result(forged.dump(), "result"), InputError);
 }
 
+/// Two corners under an acceleration alone.
+Task two_corners(const std::string& more, double first_error, double second_error) {
+  const auto corner = [](double angle, double error) {
+    return fmt::format("[[corner]]\nangle_deg = {}\nfeed_in_mm_min = 6000\nerror_max_um = {}\n", angle, error);
+  };
+  return parse_task("sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n" + corner(90, first_error) +
+                        corner(120, second_error) + more,
+                    "task");
+}
+
+/// Here p(k) = sum_i b_i max(i - k, 0). At one corner, some width gives any delay up to the filter's order:
+/// v1 T p(d) <= w < v1 T p(d - 1). So the optimum is that of any delay, 42 ms.
+TEST(FreeTapsOfControls, InPositionIsProvedAtOneCorner) {
+  const DesignResult result = design_task(everyday_corner("[controller]\ndelays = \"in-position\"\n"));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_NEAR(result.cycle_time, 42e-3, 1e-9);
+  const auto way = [&](int k) {
+    double sum = 0.0;
+    for (int i = k + 1; i <= result.filter->order(); ++i) sum += result.filter->tap(i) * (i - k);
+    return 0.1 * 1e-3 * sum;
+  };
+  ASSERT_TRUE(result.settings && result.settings->width);
+  EXPECT_NEAR(result.settings->width->low, way(result.corners[0].delay), 1e-12);
+  EXPECT_NEAR(result.settings->width->high, way(result.corners[0].delay - 1), 1e-12);
+  EXPECT_THAT(settings_answer(result), HasSubstr("taps that `accdec export` writes; in-position width"));
+  EXPECT_THAT(settings_answer(result), HasSubstr("42 ms a corner, proved best of free taps with such delays"));
+  auto json = nlohmann::ordered_json::parse(result_to_json(result));
+  EXPECT_THAT(verify_result(parse_result(json.dump(), "result")).reasons, IsEmpty());
+  json["settings"]["filter"]["taps"][0] = 0.5;
+  EXPECT_FALSE(verify_result(parse_result(json.dump(), "result")).accepted);
+}
+
+/// Corners of equal feeds have one delay by one width, so that the second waits longer than it needs.
+TEST(FreeTapsOfControls, OneWidthHoldsForAllCorners) {
+  const DesignResult any = design_task(two_corners("", 20, 20));
+  const DesignResult result = design_task(two_corners("[controller]\ndelays = \"in-position\"\n", 20, 20));
+  ASSERT_TRUE(any.has_design() && result.has_design()) << result.message;
+  EXPECT_NE(any.corners[0].delay, any.corners[1].delay);
+  EXPECT_EQ(result.corners[0].delay, result.corners[1].delay);
+  ASSERT_EQ(any.status, Status::optimal);
+  EXPECT_NEAR(*result.lower_bound, any.objective(), 1e-12);
+  EXPECT_GE(result.objective(), any.objective());
+  EXPECT_EQ(result.status, Status::feasible);
+  EXPECT_THAT(settings_answer(result), HasSubstr("not proved best"));
+  EXPECT_THAT(verify_result(result).reasons, IsEmpty());
+}
+
+/// An average of 17 taps passes one corner without a delay and stops at the other, for 16 samples. With corner feeds no
+/// bound is known.
+TEST(FreeTapsOfControls, KindsAreMixed) {
+  const double runs_on = 1e6 * 0.1 * 1e-3 * std::sqrt(0.5) * (17.0 / 4.0 - 1.0 / 68.0);
+  const std::string kinds = "[controller]\ndelays = [\"continuous\", \"exact-stop\"";
+  const DesignResult both = design_task(two_corners(kinds + "]\n", 1.001 * runs_on, 0.0));
+  ASSERT_TRUE(both.has_design()) << both.message;
+  EXPECT_NEAR(both.objective(), (17 + 16) * 1e-3, 1e-9);
+  EXPECT_EQ(both.corners[0].delay, 0);
+  EXPECT_THAT(verify_result(both).reasons, IsEmpty());
+  DesignResult slow = design_task(two_corners(kinds + ", \"corner-feed\"]\n", 1.001 * runs_on, 200.0));
+  ASSERT_TRUE(slow.has_design()) << slow.message;
+  EXPECT_LT(slow.objective(), both.objective());
+  EXPECT_FALSE(slow.lower_bound);
+  EXPECT_THAT(verify_result(slow).reasons, IsEmpty());
+}
+
+/// Averages where they are as good as free taps: 17 taps for an acceleration of 6 m/s^2. Else the taps.
+TEST(FreeTapsOfControls, MayStandBesideFamilies) {
+  const std::string families = "[design]\nfamily = [\"taps\", \"averages\"]\n";
+  const DesignResult equal = design_task(two_corners(families + "[controller]\ndelays = \"exact-stop\"\n", 5, 5));
+  ASSERT_TRUE(equal.settings) << equal.message;
+  EXPECT_EQ(equal.settings->family, SettingFamily::averages);
+  EXPECT_NEAR(equal.objective(), (17 + 2 * 16) * 1e-3, 1e-9);
+  EXPECT_THAT(verify_result(equal).reasons, IsEmpty());
+  const DesignResult better =
+      design_task(everyday_corner(families + "[baseline]\nkind = \"averages\"\nlengths = [20, 20]\n"));
+  ASSERT_EQ(better.status, Status::optimal) << better.message;
+  EXPECT_NEAR(better.objective(), 42e-3, 1e-12);
+  ASSERT_TRUE(better.settings && better.savings);
+  EXPECT_EQ(better.settings->family, SettingFamily::taps);
+  EXPECT_GT(better.savings->today, 44e-3 - 1e-12) << "no two averages are faster than the best";
+  EXPECT_THAT(settings_answer(better), HasSubstr("Today's setting takes"));
+  EXPECT_THAT(verify_result(parse_result(result_to_json(better), "result")).reasons, IsEmpty());
+}
+
 /// The filter and its smoothing of 4 taps together are one filter, for which 42 ms are the proved optimum (see
 /// corner/acceleration-jerk.toml). So the filter takes 39 ms or more.
 TEST(FreeTapsOfControls, HaveABoundInFrontOfASmoothing) {

@@ -55,5 +55,11 @@ TEST(ParseToml, RefusesNumbersThatReadAsZero) {
   EXPECT_EQ(refused("a = 0.0\nb = [0e0, -0.0, 0e5, 1e-300]\nc = {d = 0.0_0e9}\n"), "");
 }
 
+TEST(ParseToml, RefusesIntegersThatNoDoubleHolds) {
+  EXPECT_THAT(refused("b = [1, 9007199254740993]\n"), ::testing::StartsWith("1:9: the integer has more digits"));
+  EXPECT_THAT(refused("[t]\nb = -9223372036854775807\n"), ::testing::StartsWith("2:5: the integer has more digits"));
+  EXPECT_EQ(refused("a = 9007199254740992\nb = -9007199254740992\n"), "");
+}
+
 }  // namespace
 }  // namespace accdec

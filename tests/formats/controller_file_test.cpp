@@ -252,7 +252,7 @@ TEST(Controllers, MalformedFiles) {
   EXPECT_THAT(message(changed("delays = \"in-position\"", "delays = [\"exact-stop\", \"exact-stop\"]")),
               HasSubstr("mine.toml:3:25: `delays` names \"exact-stop\" twice"));
   EXPECT_THAT(message(changed("delays = \"in-position\"", "delays = \"in-position\"\ndelay_words = [\"G9\", \"G60\"]")),
-              HasSubstr("`delay_words` has 2 for 1 kinds"));
+              HasSubstr("`delay_words` has 2, and `delays` has 1"));
   EXPECT_THAT(message(std::string(own) + "[dialect]\ncomment = \";\"\n"), HasSubstr("goes with `delay_words`"));
 }
 

@@ -1,13 +1,18 @@
 """Whole filters: forces, powers, smallest speeds, contours, modes of axes, a control's smoothing, corner feeds."""
 from copy import copy
 
-from enclosure import Enclosure, exact
-from members import UNREAD, Filter, along
+import members
+from enclosure import Enclosure, Refused, exact
+from members import Filter, along
 from more.rows import residual
 from more.widening import widens
 from problem import STILL, convolved
 
-UNREAD.clear()
+
+@widens(members, "not_refuted")
+def not_refuted(_, reason):
+    """All limits are looked at."""
+    raise Refused(reason)
 
 
 @widens(Filter, "__init__")
@@ -16,17 +21,6 @@ def smoothed(narrow, self, problem, limits, taps):
     if len(problem.smoothing.lo) > 1:
         self.command = convolved(self.taps, problem.smoothing)
         self.gone = self.command.sums()
-
-
-@widens(Filter, "starts_or_stops_break")
-def starts_or_stops_break(narrow, self):
-    """Where corners are passed at a part of their feed, an axis of one leg neither starts nor stops at full speed."""
-    if not self.problem.corner_feeds:
-        return narrow(self)
-    corners, nothing = self.problem.corners, exact(0)
-    starts, stops = ([Enclosure(max(abs(x).lo for x in axis)) for axis in zip(*legs)]
-                     for legs in ((c.speed_in for c in corners), (c.speed_out for c in corners)))
-    return self.axes_break([(nothing, x) for x in starts], 0) or self.axes_break([(x, nothing) for x in stops], 0)
 
 
 @widens(Filter, "rings")

@@ -15,11 +15,11 @@ def bound_taps(narrow, self, axis, speed, stop):
         narrow(self, axis, speed, stop)
 
 
-@widens(Limits, "row")
-def row_of(narrow, self, entry, box):
+@widens(Limits, "known")
+def known(narrow, self, entry):
     smoothed = len(self.problem.smoothing.lo) > 1 and entry[0] not in BEHIND_SMOOTHING
     refuse_if(smoothed, f"a row `{entry[0]}` behind a response", NotCovered)
-    return narrow(self, entry, box)
+    narrow(self, entry)
 
 
 @widens(Limits, "named")

@@ -18,7 +18,8 @@ KEYS["mode"] |= {"axis", "residual_max_um"}
 KEYS["controller"] |= {"prefilter_taps", "corner_feed_step"}
 KEYS["design"] |= {"shaper", "shaper_frequency_step_Hz", "length_set_ms", "length_set_2_ms", "length_set_3_ms",
                    "time_constant_step_ms"}
-claim.MEMBERS |= {"corner_of", "smoothed"}
+claim.MEMBERS["branch and bound"] |= {"corner_of", "smoothed"}
+claim.LISTS.add("corner_of")
 
 # lines: |F| + slope |v| <= bound up to the last speed; own: its number if no other axis may stand for it
 Axis = namedtuple("Axis", "mass damping coulomb limits lines last_speed own", defaults=((), None, None))
@@ -87,8 +88,8 @@ def wide_task(narrow, task):
     problem.supply = {kind: number(machine[f"{kind}_total_max_W"]) * WIDER for kind in ("power", "regeneration")
                       if f"{kind}_total_max_W" in machine}
     problem.symmetric = design.get("symmetric", False) is True
-    problem.corner_feeds = "corner-feed" in (control.get("delays") or [])
     problem.corner_feed_step = number(control.get("corner_feed_step", Fraction(1, 20)))
+    problem.smooths = "prefilter_taps" in control
     problem.servo, problem.smoothing = problem.response, read_taps(control.get("prefilter_taps", [1]))
     problem.response = convolved(problem.smoothing, problem.servo)
     return problem
@@ -124,7 +125,10 @@ def merge(problem, corner_of):
 def searched(narrow, problem, certificate, target):
     """The filter and the control's smoothing may be one filter, which may be any; corners may be merged."""
     problem, target = narrow(problem, certificate, target)
-    if certificate.get("smoothed"):
+    smoothed = certificate.get("smoothed", False)
+    refuse_if(not isinstance(smoothed, bool), f"{smoothed!r} stands where true or false should")
+    if smoothed:
+        refuse_if(not problem.smooths, "the certificate is about a smoothing that the control does not have")
         taps, longer, problem = problem.smoothing, len(problem.smoothing.lo) - 1, copy(problem)
         problem.smoothing, problem.response = exact([1]), problem.servo
         problem.order_min, problem.order_max = problem.order_min + longer, problem.order_max + longer

@@ -1,5 +1,8 @@
-"""Nodes about symmetric filters. Such a filter becomes one of the part's order or of one less by zeros at both ends."""
-from enclosure import refuse_if
+"""Nodes about symmetric filters. Such a filter becomes one of the part's order or of one less by zeros at both ends.
+Splits of contour times (j, "c")."""
+from fractions import Fraction
+
+from enclosure import number, refuse_if, whole
 from more.widening import widens
 from tree import Tree
 
@@ -30,6 +33,33 @@ def symmetric_tree(tree, ranges, depth, order):
     else:
         for half in tree.halves(node, ranges, "B"):
             symmetric_tree(tree, half, depth + 1, order)
+
+
+@widens(Tree, "all_samples")
+def all_samples(narrow, self, ranges, j, order):
+    narrow(self, ranges, j, order)
+    ranges[j, "c"] = tuple(map(Fraction, ranges[j, "k"]))
+
+
+@widens(Tree, "reduced")
+def reduced(narrow, self, ranges, window=False):
+    """At the last sample the motion has ended: a contour that holds later holds there."""
+    part = narrow(self, ranges, window)
+    for j, (_, d2, _, _) in enumerate(part.corners):
+        low, high = ranges[j, "c"]
+        part.ranges[j, "c"] = low, min(high, Fraction(part.order + 1 + self.limits.longer + d2))
+    return part
+
+
+@widens(Tree, "halves")
+def halves(narrow, self, node, ranges, kinds):
+    if "N" not in kinds or not isinstance(node, list) or len(node) != 3 or node[1] != "c":
+        return narrow(self, node, ranges, kinds)
+    key, at = (whole(node[0]), "c"), number(node[2])
+    refuse_if(key not in ranges, "the tree splits a corner that is not there")
+    low, high = ranges[key]
+    refuse_if(not low < at < high, "the tree splits outside the part")
+    return ranges | {key: (low, at)}, ranges | {key: (at, high)}
 
 
 @widens(Tree, "node")

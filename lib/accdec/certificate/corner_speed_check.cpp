@@ -37,6 +37,49 @@ Largest largest_taps(const Task& task) {
   return largest;
 }
 
+/// Sums of c_i and of (i + 1) c_i, where c_i = min(tap, max(0, top - i difference)). There may be 10^9 of them, so both
+/// parts are summed by formula: those at the tap's bound and the ramp. Rounding leaves open which side of its two ends
+/// a c_i is on only within `near` samples of them. These are added one by one.
+class Ramp {
+ public:
+  /// @param top  up to `longest` differences
+  Ramp(const Largest& largest, double top) : largest_(largest), top_(top) {
+    constexpr double near = 2.0;
+    const double kink = (top - largest.tap) / largest.difference, end = top / largest.difference;
+    const double full = std::max(0.0, std::floor(kink) - near), first = std::max(0.0, std::ceil(kink) + near),
+                 last = std::max(first, std::floor(end) - near), stop = std::ceil(end) + near;
+    mass_ = Interval(largest.tap) * Interval(full);
+    moment_ = Interval(0.5 * largest.tap) * Interval(full) * Interval(full + 1.0);
+    for (double i = full; i < first; ++i) add(i);
+    if (last > first) add_ramp(first, last - first);
+    for (double i = last; i < stop; ++i) add(i);
+  }
+  static constexpr double longest = 1e15;  ///< whole numbers up to here are exact
+  Interval mass() const { return mass_; }
+  Interval moment() const { return moment_; }
+
+ private:
+  Interval at(double i) const { return Interval(top_) - Interval(i) * Interval(largest_.difference); }
+  void add(double i) {
+    const Interval ramp = at(i);
+    const Interval tap(std::clamp(ramp.lo, 0.0, largest_.tap), std::clamp(ramp.hi, 0.0, largest_.tap));
+    mass_ = mass_ + tap;
+    moment_ = moment_ + Interval(i + 1.0) * tap;
+  }
+  /// c_{first + j} = h - j D for j = 0 .. n - 1.
+  void add_ramp(double first, double n) {
+    const Interval h = at(first), d(largest_.difference);
+    const Interval pairs = Interval(0.5 * n) * Interval(n - 1.0);  // sum j; sum j^2 is (2 n - 1)/3 of it
+    const Interval mass = Interval(n) * h - d * pairs;
+    mass_ = mass_ + mass;
+    moment_ = moment_ + Interval(first + 1.0) * mass + pairs * (h - d * (Interval(2.0 * n - 1.0) / Interval(3.0)));
+  }
+
+  const Largest& largest_;
+  double top_;
+  Interval mass_, moment_;
+};
+
 /// A lower bound of sum (i + 1) c_i over all c_0, c_1 .. >= 0 with this sum. No c_i is above `tap` or more than
 /// `difference` below the one before it. The minimum has c_i = min(tap, max(0, top - i difference)): any other sequence
 /// with the same sum is first below it and later above it. A top with too small a sum gives a smaller value, so the
@@ -45,19 +88,6 @@ Interval distance(const Largest& largest, const Interval& sum) {
   const double goal = sum.lo;
   if (!(goal > 0.0)) return {};
   if (goal > 1.0 + 1e-9) return Interval(1e30);  // no leg is faster than its feed
-  Interval moment;
-  const auto total = [&](double top) {
-    Interval mass;
-    moment = {};
-    for (int i = 0; mass.hi <= goal; ++i) {
-      const Interval ramp = Interval(top) - Interval(i) * Interval(largest.difference);
-      if (!(ramp.hi > 0.0)) break;
-      const Interval tap(std::max(0.0, std::min(largest.tap, ramp.lo)), std::min(largest.tap, ramp.hi));
-      mass = mass + tap;
-      moment = moment + Interval(i + 1.0) * tap;
-    }
-    return mass.hi;
-  };
   if (largest.difference == unlimited) {
     const double full = std::floor(goal / largest.tap * (1.0 - 1e-15));
     const Interval rest = Interval(goal) - Interval(full) * Interval(largest.tap);
@@ -67,9 +97,10 @@ Interval distance(const Largest& largest, const Interval& sum) {
   double low = 0.0, high = largest.tap + largest.difference * (goal / largest.tap + 1.0);
   for (int i = 0; i < 45; ++i) {
     const double top = 0.5 * (low + high);
-    (total(top) <= goal ? low : high) = top;
+    const bool small = top < Ramp::longest * largest.difference && Ramp(largest, top).mass().hi <= goal;
+    (small ? low : high) = top;
   }
-  return total(low) <= goal ? moment : Interval{};
+  return low > 0.0 ? Ramp(largest, low).moment() : Interval{};
 }
 
 /// Both legs' speeds near the last sample at which leg 1 is the faster one. The speed of leg 1 right after that sample

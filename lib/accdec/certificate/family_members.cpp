@@ -222,10 +222,14 @@ FamilyMember member_of(std::vector<double> taps) {
   FamilyMember member{std::move(taps), std::vector<double>(n + 1), std::vector<double>(n + 1),
                       std::vector<double>(n + 1), std::vector<double>(n + 1)};
   for (double& tap : member.taps) tap /= sum;
-  for (std::size_t k = 0; k < n; ++k) member.gone[k + 1] = member.gone[k] + member.taps[k];
-  for (std::size_t k = n; k-- > 0;) member.left[k] = member.left[k + 1] + member.taps[k];
-  for (std::size_t k = n; k-- > 0;) member.way_left[k] = member.way_left[k + 1] + member.left[k + 1];
-  for (std::size_t k = 1; k <= n; ++k) member.way_gone[k] = member.way_gone[k - 1] + member.gone[k];
+  // Four sums side by side: each waits for its own last addition.
+  double gone = 0.0, left = 0.0, way_left = 0.0, way_gone = 0.0;
+  for (std::size_t k = 0, back = n; back-- > 0; ++k) {
+    member.gone[k + 1] = gone += member.taps[k];
+    member.way_gone[k + 1] = way_gone += gone;
+    member.way_left[back] = way_left += left;
+    member.left[back] = left += member.taps[back];
+  }
   return member;
 }
 

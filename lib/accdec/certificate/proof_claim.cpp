@@ -2,6 +2,7 @@
 
 #include <accdec/certificate/checked_rows.hpp>
 #include <accdec/certificate/proof_claim.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
 
@@ -16,6 +17,8 @@ std::string other_question(const Task& task, const proof::BranchAndBound& proof)
   if (proof.tolerance != granted_tolerance)
     return fmt::format("the certificate is about limits widened by {:.3g}, verification grants {:.3g}", proof.tolerance,
                        granted_tolerance);
+  if (may_pass_slower(task))
+    return "the certificate is about corners at their feeds, the task's control may pass them at a part of the feed";
   if (proof.objective != Objective::cycle || proof.runs == task.design.runs) return {};
   return fmt::format("the certificate is about {} runs, the task asks for {}", proof.runs, task.design.runs);
 }

@@ -147,6 +147,7 @@ std::string Comparison::key(std::size_t index) const {
   std::string text =
       fmt::format("run\n{}\n{} {}", spec.identity, competitor.solver, competitor.wants_reduced(s.reduced));
   for (const auto& [name, value] : competitor.native) text += fmt::format(" {}={}", name, value);
+  if (!competitor.state.empty()) text += "\n" + competitor.state;
   text += fmt::format("\n{} {} {} {} {} {} {} {}", entry.start, s.seed, entry.repeat, time_limit(entry),
                       kill_after(index), s.evaluation_limit, s.tolerance, s.feasibility);
   return toml_input::hash_of(text);

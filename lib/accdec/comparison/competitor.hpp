@@ -24,6 +24,7 @@ struct Competitor {
   std::map<std::string, std::string> native;  ///< the library's own options
   /// A program of the user, or the exact method, instead of a registered solver.
   std::shared_ptr<const solvers::Solver> external;
+  std::string state;  ///< `program_state` of a program when the suite was read
 
   bool is_exact() const { return solver == exact_name; }
   /// The program of the user; null for others.

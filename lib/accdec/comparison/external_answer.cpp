@@ -58,6 +58,10 @@ std::optional<Claim> claim_in(const std::string& line) {
                                                      {"no feasible", Claim::infeasible},
                                                      {"integer empty", Claim::infeasible},
                                                      {"integer undefined", Claim::failed},
+                                                     {"no optimal", Claim::failed},
+                                                     {"not optimal", Claim::acceptable},
+                                                     {"optimality not", Claim::acceptable},
+                                                     {"not proven", Claim::acceptable},
                                                      {"optimal", Claim::solved}};
   for (const auto& [word, claim] : words) {
     if (line.find(word) != std::string::npos) return claim;

@@ -24,6 +24,10 @@ struct External {
 /// @throws std::invalid_argument if a {name} is no place, or a brace or quote stands alone
 std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places);
 
+/// Hashes of the files that a command names: the program, as PATH finds it, and scripts among its words. Answers of an
+/// earlier run hold for the same files only. "missing" stands for a program that is not found.
+std::string program_state(const External& external);
+
 /// Runs it for every problem in a folder of its own, with the limits of `run_limited`. It is killed
 /// `grace` after the time limit of the options, so that a program that keeps {seconds} can still write its answer. An
 /// answer after the limit claims no more than "time limit". Its answer is judged like every other. It gets problems in

@@ -152,8 +152,8 @@ class Writer {
     }
     if (reference.proof != Reference::Proof::bound) ++summary_.proved;
     entry["optimum"] = {{"proof", to_string(reference.proof)},
-                        {"lower", batch::number(reference.lower)},
-                        {"upper", batch::number(reference.upper)},
+                        {"lower", batch::rounded(reference.lower, 17)},
+                        {"upper", batch::rounded(reference.upper, 17)},
                         {"method", reference.method},
                         {"certificate", certificate}};
   }
@@ -181,6 +181,8 @@ instances::Instance instance_of(const ComparisonCase& subject) {
     const instances::Choice choice = choice_of(subject);
     return instances::instance_of(choice.problem, choice.start);
   }
+  if (const std::string reason = instances::given_choices(subject.spec().task); !reason.empty())
+    throw std::invalid_argument(reason);
   const auto& problem = dynamic_cast<const QuadraticProblem&>(*subject.problem(false));
   return instances::instance_of(problem, subject.start(false, 0, 1));
 }

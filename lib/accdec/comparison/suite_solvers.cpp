@@ -104,6 +104,7 @@ Competitor read_external(const Table& table, const std::string& folder, double g
   c.form = Competitor::Form::sparse;
   c.native = {{"command", external.command}, {"reads", external.reads}, {"answer", external.answer}};
   if (external.memory_max > 0) c.native["memory_max_MB"] = std::to_string(external.memory_max);
+  c.state = comparison::program_state(external);
   c.external = std::make_shared<comparison::ExternalSolver>(std::move(external));
   return c;
 }

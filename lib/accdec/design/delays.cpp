@@ -16,6 +16,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/task/blend_check.hpp>
 #include <accdec/task/blend_limits.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/verification_cost.hpp>
 #include <accdec/verify.hpp>
 
@@ -184,6 +185,8 @@ bool is_quiet(const Task& task, const Filter& filter) {
   return verify_by_simulation(filter_alone, filter, {}).feasible;
 }
 
+constexpr const char* slower = "corner-feed was not tried: it is not considered with a given filter";
+
 /// The design, verified; every smaller delay was tried.
 DesignResult verified(const Task& task, const Filter& filter, const std::vector<int>& delays) {
   DesignResult result = assess(task, filter, delays, false);
@@ -194,6 +197,10 @@ DesignResult verified(const Task& task, const Filter& filter, const std::vector<
     }
     result.verification = {};
     result.limits.clear();
+    return result;
+  }
+  if (may_pass_slower(task)) {
+    result.message = slower;
     return result;
   }
   result.status = Status::optimal;
@@ -217,9 +224,10 @@ DesignResult try_delays(const Task& task, const Filter& filter, bool simulate, c
     result.message = fmt::format("stopped at corner {} of {}", found.delays.size() + 1, task.corners.size());
     if (!cancelled()) result.message += fmt::format("; the time limit is {:g} s", options.time_limit);
   } else if (!found.impossible.empty()) {
-    result.status = found.unproved ? Status::failed : Status::infeasible;
+    result.status = found.unproved || may_pass_slower(task) ? Status::failed : Status::infeasible;
     result.message = found.impossible;
     if (found.unproved) result.message += "; longer delays were not tried";
+    if (may_pass_slower(task)) result.message += fmt::format("; {}", slower);
   } else if (simulation > 1.0 && elapsed() + simulation > options.time_limit) {
     result.stop = StopReason::time_limit;
     result.message = fmt::format("simulating all corners would take about {:.0f} s more; the time limit is {:g} s",

@@ -13,6 +13,7 @@
 #include <accdec/design/design_settings.hpp>
 #include <accdec/design/differing_servos.hpp>
 #include <accdec/design/quantise.hpp>
+#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/files.hpp>
@@ -74,33 +75,6 @@ DesignResult with_smallest_delays(DesignResult found, double seconds_left) {
   return result;
 }
 
-/// Free taps for a control that runs on at every corner, or stops exactly at every one: the delays are then given. An
-/// exact stop lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits
-/// with any delay behind which the legs are apart, and the proof with its own one says so.
-DesignResult design_for_one_kind(const Task& task, const DesignOptions& options) {
-  if (task.filter)
-    throw std::invalid_argument(
-        "[controller] delays names one kind for free taps, and a given [filter] has no taps to design; leave out "
-        "either");
-  const bool stops = task.settings->names(DelayKind::exact_stop);
-  Task given = task;
-  given.settings.reset();
-  const auto with_delay = [&](int delay, double seconds) {
-    for (std::size_t j = 0; j < given.corners.size(); ++j)
-      given.corners[j].delay = task.corners[j].delay.value_or(delay);
-    DesignOptions within = options;
-    within.time_limit = seconds;
-    return design_task(given, within);
-  };
-  const auto began = std::chrono::steady_clock::now();
-  DesignResult result =
-      with_delay(stops ? task.design.order_max : 0, stops ? 0.5 * options.time_limit : options.time_limit);
-  if (stops && result.has_design())
-    result = with_delay(result.filter->order(), std::max(1e-3, options.time_limit - seconds_since(began)));
-  result.task.settings = task.settings;
-  return result;
-}
-
 }  // namespace
 
 DesignResult design_task(const Task& task, const DesignOptions& options) {
@@ -115,8 +89,12 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     result.certificate = certify_contradiction(task);
     return result;
   }
-  if (task.settings && task.settings->names_family()) return design_settings(task, options);
-  if (task.settings && !task.settings->any_delay()) return design_for_one_kind(task, options);
+  if (task.settings) {
+    const ControllerSettings& control = *task.settings;
+    const bool family = control.names_family();
+    if (family ? control.names(SettingFamily::taps) : !control.any_delay()) return design_taps_of_kinds(task, options);
+    if (family) return design_settings(task, options);
+  }
   if (task.filter) return design_delays(task, options);
   if (task.design.coefficient_bits > 0) return design_quantised(task, options);
   if (options.method == Method::exact && !Response(task.machine, task.sample_period).common())

@@ -120,7 +120,8 @@ void compare_with_taps(const DesignOptions& options, double seconds, DesignResul
   result.gap = (result.objective() - *result.lower_bound) / result.objective();
 }
 
-/// Today's setting with the best delays that the controller can give it.
+}  // namespace
+
 void compare_with_today(DesignResult& result) {
   if (!result.task.baseline) return;
   const Filter today = make_filter(*result.task.baseline);
@@ -137,8 +138,6 @@ void compare_with_today(DesignResult& result) {
   savings.total = time - result.objective();
   result.savings = savings;
 }
-
-}  // namespace
 
 std::string why_no_setting_holds(const Task& task, double seconds, const std::atomic<bool>* cancel) {
   std::vector<std::string> reasons;

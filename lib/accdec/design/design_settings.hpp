@@ -15,6 +15,9 @@ namespace accdec {
 /// @param task  with settings that name a family
 DesignResult design_settings(const Task& task, const DesignOptions& options);
 
+/// Adds what the task's [baseline] takes with the best delays that the controller can give it, and what is saved.
+void compare_with_today(DesignResult& result);
+
 /// Explains to people why no setting of a task holds all limits. The first part is the setting that comes closest, with
 /// the limit that it breaks most. The second is the nearest that holds them, beyond steps, caps and kinds of delays. A
 /// part is missing where it is not found in time, the first also where some setting holds.

@@ -130,8 +130,9 @@ void RowBuilder::blend(std::size_t a, const TaskCorner& corner, int delay) {
     for (const double sign : {1.0, -1.0}) {
       if (!reverses && sign * in < 0.0) continue;
       const Affine force = moving + sign * dry(axis);
-      bounded(axis, event, k, LimitKind::force, force);
-      bounded(axis, event, k, LimitKind::power, force, v);
+      const std::string friction = !reverses ? "" : sign > 0.0 ? ", moving forwards" : ", moving backwards";
+      bounded(axis, event + friction, k, LimitKind::force, force);
+      bounded(axis, event + friction, k, LimitKind::power, force, v);
       if (!reverses) bounded(axis, event, k, LimitKind::regeneration, force, v);
     }
     if (reverses) bounded(axis, event, k, LimitKind::regeneration, moving, v);

@@ -203,6 +203,21 @@ void compare_one_kind(const DesignResult& result, std::vector<std::string>& reas
   }
 }
 
+/// Free taps as what to set.
+void compare_taps(const DesignResult& result, std::vector<std::string>& reasons) {
+  const ChosenSettings& chosen = *result.settings;
+  if (!result.task.settings->names(SettingFamily::taps)) reasons.push_back("the task names no free taps");
+  if (!chosen.values.empty() || chosen.filter.kind != Shape::taps)
+    reasons.push_back("settings are free taps, and no other values");
+  const Filter named = make_filter(chosen.filter);
+  if (!same_taps(*result.filter, {named.taps().begin(), named.taps().end()}))
+    reasons.push_back("the taps are not those of settings.filter");
+  compare_kinds(result, reasons);
+  if (result.family_bound || result.free_taps) reasons.push_back("the settings are free taps, beside which are none");
+  if (result.lower_bound && result.task.settings->names(DelayKind::corner_feed))
+    reasons.push_back("the bound is of delays at full feed, and the task names corner feeds");
+}
+
 }  // namespace
 
 void compare_setting(const Task& task, const ChosenSettings& chosen, const Filter& filter,
@@ -215,13 +230,16 @@ void compare_setting(const Task& task, const ChosenSettings& chosen, const Filte
 }
 
 void compare_settings(const DesignResult& result, std::vector<std::string>& reasons) {
-  const bool asked = result.task.settings && result.task.settings->names_family();
-  if (!asked || result.task.settings->delays.empty()) {
+  const auto& control = result.task.settings;
+  const bool asked = control && control->names_family();
+  const bool taps = control && result.settings && result.settings->family == SettingFamily::taps;
+  if (!(asked || taps) || control->delays.empty()) {
     for (const CornerResult& corner : result.corners) {
       if (corner.feed_part < 1.0)
         reasons.push_back(fmt::format("corner {}: the task has no corner feeds", corner.name));
     }
   }
+  if (taps) return compare_taps(result, reasons);
   if (!asked) {
     compare_one_kind(result, reasons);
     if (result.settings || result.family_bound || result.free_taps)
@@ -241,7 +259,10 @@ void compare_settings(const DesignResult& result, std::vector<std::string>& reas
     reasons.push_back("free_taps_s is below the lower bound");
   if (result.free_taps && *result.free_taps > result.objective() * (1.0 + part))
     reasons.push_back("free_taps_s is above the time of the settings");
-  if (result.free_taps && cost_of(result.task).whole()) {
+  // Free taps that are no shorter are recorded with the time of the settings, whose corner feeds may lose parts of
+  // samples.
+  const bool shorter = result.free_taps && *result.free_taps < result.objective() * (1.0 - part);
+  if (shorter && cost_of(result.task).whole()) {
     const double samples = *result.free_taps / result.task.sample_period;
     if (!(std::abs(samples - std::round(samples)) <= part * samples))
       reasons.push_back(fmt::format("free_taps_s is {:.9g} samples, and every time is a whole number", samples));

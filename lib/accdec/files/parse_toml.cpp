@@ -54,7 +54,8 @@ std::optional<std::size_t> too_deep(std::string_view text) {
   return std::nullopt;
 }
 
-/// Refuses numbers that are written with digits but read as 0, such as 1e-400.
+/// Refuses numbers that are written with digits but read as 0, such as 1e-400, and integers that no double holds, as all
+/// keys read doubles.
 class LostNumbers {
  public:
   LostNumbers(std::string_view text, const std::string& name) : text_(text), name_(name) {
@@ -68,6 +69,11 @@ class LostNumbers {
       for (const toml::node& element : *list) refuse(element);
     } else if (node.is_floating_point() && node.as_floating_point()->get() == 0.0) {
       look(node.source().begin);
+    } else if (node.is_integer() && !node.value<double>()) {
+      const toml::source_position at = node.source().begin;
+      throw InputError(name_, at.line, at.column,
+                       "the integer has more digits than a number keeps: beyond 9007199254740992, write it with fewer "
+                       "digits, such as 9.007e15");
     }
   }
 

@@ -205,6 +205,13 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
   return proof;
 }
 
+/// A certificate without a design has no bound. No other member is ever null.
+void refuse_nulls(const Value& value) {
+  for (const auto& [key, member] : value.json().items()) {
+    if (member.is_null() && key != "bound_samples") value[key].fail("must not be null; leave the member out");
+  }
+}
+
 void require_schema(const Value& value) {
   if (value["schema"].text() != "accdec.certificate/1")
     value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
@@ -222,6 +229,7 @@ proof::FamilyEnumeration read_families(const Value& value) {
   }
   if (value.has("taps")) {
     const Value taps = value["taps"];
+    refuse_nulls(taps);
     proof.taps = read_branch_and_bound(taps);
     require_schema(taps);
     if (taps["kind"].text() != "branch and bound") taps["kind"].fail("must be \"branch and bound\"");
@@ -261,9 +269,11 @@ Certificate read_packed(const Value& value) {
 Certificate read_certificate(const Value& value) {
   value.members({"kind"}, {"gzip", "schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
                            "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps"});
+  refuse_nulls(value);
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
     value.members({"kind"}, {"schema"});
+    if (value.has("schema")) require_schema(value);
     return {proof::Enumeration{}};
   }
   value.members({"kind", "schema"}, {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",

@@ -142,7 +142,7 @@ ControllerStage read_stage(const Table& table) {
 void read_words(const Table& top, Controller& controller) {
   controller.delay_words = top.texts("delay_words");
   if (top.has("delay_words") && controller.delay_words.size() != controller.delays.size())
-    top.fail_at("delay_words", fmt::format("`delay_words` has {} for {} kinds of `delays`; one a kind is needed",
+    top.fail_at("delay_words", fmt::format("`delay_words` has {}, and `delays` has {}; one a kind is needed",
                                            controller.delay_words.size(), controller.delays.size()));
   const auto dialect = top.table("dialect");
   if (!dialect) return;

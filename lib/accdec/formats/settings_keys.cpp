@@ -140,7 +140,8 @@ std::vector<Key> setting_keys() {
   return {
       {.name = "family",
        .type = KeyType::words,
-       .meaning = "families to design, the best of several: settings of controllers; `taps` stands alone",
+       .meaning =
+           "families to design, the best of several: settings of controllers, or free taps if nothing else is as good",
        .words = words_of(setting_families),
        .noun = "family",
        .fallback = "taps",

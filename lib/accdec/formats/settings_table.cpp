@@ -162,11 +162,6 @@ void read_families(const Table& table, double period, ControllerSettings& settin
   if (shaper) settings.shaper = find_shaper(table.word("shaper"));
   if (!shaper && table.has("shaper"))
     table.fail_at("shaper", "`shaper` is of no use here; it goes with family = \"shaper\"");
-  if (settings.names_family() && has(SettingFamily::taps))
-    table.fail_at(
-        "family",
-        "`family` names free taps and settings; no setting is faster than free taps, allowed are either \"taps\" "
-        "alone or the others");
   for (const SettingFamily falling : {SettingFamily::one_pole, SettingFamily::exponential}) {
     if (has(falling) && table.boolean("symmetric"))
       table.fail_at("symmetric", fmt::format("`symmetric` = true leaves nothing of family = \"{}\", whose taps fall",
@@ -237,7 +232,7 @@ void read_delays(const Table& table, ControllerSettings& settings) {
   if (!table.has(key)) return;
   settings.delay_words = table.texts(key);
   if (settings.delay_words.size() != settings.delays.size())
-    table.fail_at(key, fmt::format("`{}` has {} for {} kinds of `delays`; one a kind is needed", key,
+    table.fail_at(key, fmt::format("`{}` has {}, and `delays` has {}; one a kind is needed", key,
                                    settings.delay_words.size(), settings.delays.size()));
 }
 
@@ -328,13 +323,6 @@ std::optional<ControllerSettings> read_settings(const std::optional<Table>& desi
   }
   if (named) refuse_beyond_controller(design, *controller, *named, settings);
   if (!settings.names_family() && settings.delays.empty()) return std::nullopt;
-  const bool one_kind =
-      settings.delays.size() == 1 && (settings.names(DelayKind::continuous) || settings.names(DelayKind::exact_stop));
-  if (!settings.names_family() && !settings.any_delay() && !one_kind)
-    controller->fail_at("delays",
-                        "`delays` without a family: free taps are designed with delays of any number of samples, "
-                        "\"dwell\" or \"timed-axis\", or for \"continuous\" or \"exact-stop\" alone; for others give "
-                        "[design] family = \"averages\"");
   return settings;
 }
 

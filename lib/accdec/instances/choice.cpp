@@ -63,20 +63,14 @@ class ChoiceBuilder {
 
   void corner(std::size_t j) {
     const TaskCorner& corner = task_.corners[j];
-    const bool bounded = corner.error_max && *corner.error_max > 0.0;
-    int low = 0, high = order();
-    if (corner.delay)
-      low = high = *corner.delay;
-    else if (!corner.error_max)
-      high = 0;
-    else if (!bounded)
-      low = order();
+    // Two samples after the first leg has come to rest, no difference of the commands spans both legs.
+    const int low = corner.delay.value_or(0), high = corner.delay.value_or(order() + 2);
     Affine delay;
     const std::vector<int> chosen = choice("delay, corner " + corner.name, low, high, delay);
     objective_ += corner.weight * delay;
     choice_.delays.push_back(delay);
     for (int d = low; d <= high; ++d) blend(j, d, chosen[count(d - low)]);
-    if (bounded) error(corner, delay);
+    if (corner.error_max) error(corner, delay, high);
   }
 
   /// Rows of the blend at one delay, which hold where `chosen` is 1.
@@ -90,8 +84,8 @@ class ChoiceBuilder {
       const Polynomial body = rows.polynomial(r);
       const nlp::Bound bound = rows.row_bound(r);
       const std::string name = fmt::format("{}, delay {}", rows.row_name(r), delay);
-      if (std::isfinite(bound.upper)) switched(name, body, 1.0, bound.upper, chosen);
-      if (std::isfinite(bound.lower)) switched(name, body, -1.0, -bound.lower, chosen);
+      if (std::isfinite(bound.upper)) switched(name + ", from above", body, 1.0, bound.upper, chosen);
+      if (std::isfinite(bound.lower)) switched(name + ", from below", body, -1.0, -bound.lower, chosen);
     }
   }
 
@@ -125,16 +119,20 @@ class ChoiceBuilder {
     return sign * body.affine.constant + products + std::min(in_sums, in_taps) * (1.0 + 1e-12) + 1e-12;
   }
 
-  /// |S[k]|^2 <= 1 in units of the tolerance, with P = p(k) and Q = Q(m) at the chosen k and m = k - delay.
-  void error(const TaskCorner& corner, const Affine& delay) {
-    const double in = corner.geometry().feed_in * task_.sample_period / *corner.error_max;
-    const double out = corner.geometry().feed_out * task_.sample_period / *corner.error_max;
+  /// |S[k]|^2 <= 1 in units of the tolerance, with P = p(k) and Q = Q(m) at the chosen k and m = k - delay. Both are 0
+  /// where the tolerance is. @param longest  the largest delay
+  void error(const TaskCorner& corner, const Affine& delay, int longest) {
+    const bool exact = *corner.error_max == 0.0;
+    const double unit = exact ? corner.geometry().feed_in * task_.sample_period : *corner.error_max;
+    const double in = corner.geometry().feed_in * task_.sample_period / unit;
+    const double out = corner.geometry().feed_out * task_.sample_period / unit;
     const double cosine = corner.geometry().cos_interior();
     // |S| <= 1 bounds both distances: |S|^2 >= (1 - c^2) P^2.
-    const double most = (1.0 + 1e-9) / std::sqrt(std::max(1e-12, cosine < 0.0 ? 1.0 - cosine * cosine : 1.0));
+    const double most =
+        exact ? 0.0 : (1.0 + 1e-9) / std::sqrt(std::max(1e-12, cosine < 0.0 ? 1.0 - cosine * cosine : 1.0));
     Affine k, m;
-    // A given delay may be longer than the filter: then the legs do not overlap.
-    const int last = std::max(order(), corner.delay.value_or(0));
+    // A delay may be longer than the filter: then the legs do not overlap.
+    const int last = std::max(order(), longest);
     const std::vector<int> samples = choice("sample, corner " + corner.name, 0, last, k);
     const std::vector<int> since = choice("sample after the delay, corner " + corner.name, 0, order(), m);
     problem_.add_to_row(problem_.add_row("delay of corner " + corner.name, {0.0, 0.0}), delay + -1.0 * k + m);
@@ -203,6 +201,17 @@ Choice choice_of(const Task& task, int order) {
         "delay each");
   if (std::ranges::any_of(task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); }))
     throw std::invalid_argument("a whole choice knows no contour_max_um: a row of it holds for one time only");
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    const auto reverses = [&](const TaskCorner& c) {
+      return c.geometry().direction_in[static_cast<Eigen::Index>(a)] *
+                 c.geometry().direction_out[static_cast<Eigen::Index>(a)] <
+             0.0;
+    };
+    if (task.machine.axes[a].coulomb > 0.0 && std::ranges::any_of(task.corners, reverses))
+      throw std::invalid_argument(
+          "a whole choice knows no dry friction of an axis that reverses: its rows count friction both ways at every "
+          "sample");
+  }
   return ChoiceBuilder(task, order).build();
 }
 

@@ -49,9 +49,10 @@ struct Choice {
 /// samples, or that of `objective = "corner"`.
 ///
 /// P_j and Q_j are tied to the distances p(k_j) and Q(k_j - d_j) by big-M rows. Rows of a blend at delay d hold where
-/// d_j = d, also by big-M. Every M bounds its row over the taps' range. Corners without a tolerance, or with tolerance
-/// zero, have a fixed delay. Vibration is bounded at the grid of `initial_frequencies`, so that a band is relaxed.
-/// @throws std::invalid_argument behind a response, for modes of axes and contours, and where `given_choices` objects
+/// d_j = d, also by big-M. Every M bounds its row over the taps' range. Delays go to N + 2, as
+/// longer ones help nothing. Vibration is bounded at the grid of `initial_frequencies`, so that a band is relaxed.
+/// @throws std::invalid_argument behind a response, for modes of axes, contours, dry friction of axes that reverse,
+/// and where `given_choices` objects
 Choice choice_of(const Task& task, int order);
 
 /// Why a whole design of a task is not one of free taps and delays: a given filter, a family, whole coefficients, or

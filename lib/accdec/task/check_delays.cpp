@@ -7,6 +7,7 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/check_delays.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/verify.hpp>
 
@@ -173,6 +174,7 @@ bool breaks(const Task& task, const TaskCorner& corner, const Legs& legs, int de
 }
 
 constexpr const char* late = "not checked in time";
+constexpr const char* slower = "the control may pass corners at a part of the feed, which was not tried";
 
 /// Delays below the claimed one that the error alone does not exclude.
 std::vector<int> delays_to_try(const Task& task, const TaskCorner& corner, const Legs& legs, int claimed,
@@ -196,6 +198,7 @@ bool leg_breaks(const std::vector<LimitUse>& limits) {
 
 std::string check_smallest_delays(const Task& task, const Filter& filter, const std::vector<int>& delays,
                                   const std::function<bool()>& stop) {
+  if (may_pass_slower(task)) return slower;
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (corner.delay || delays[j] == 0) continue;
@@ -217,6 +220,7 @@ std::string check_no_delays(const Task& task, const Filter& filter, const std::f
   Task filter_alone = task;
   filter_alone.corners.clear();
   if (!verify_by_simulation(filter_alone, filter, {}).feasible) return {};  // vibration: delays do not matter
+  if (may_pass_slower(task)) return slower;
   // From d = N + 1 on, the legs do not overlap, but the jerk spans both; from N + 2 on nothing changes, and as much
   // later as the machine's response takes.
   const int longer = Response(task.machine, task.sample_period).order();

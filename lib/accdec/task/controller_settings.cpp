@@ -26,6 +26,10 @@ bool ControllerSettings::names_family() const {
   return std::any_of(families.begin(), families.end(), [](SettingFamily f) { return f != SettingFamily::taps; });
 }
 
+bool ControllerSettings::names(SettingFamily family) const {
+  return std::find(families.begin(), families.end(), family) != families.end();
+}
+
 bool ControllerSettings::names(DelayKind kind) const {
   return std::find(delays.begin(), delays.end(), kind) != delays.end();
 }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+
+#include <accdec/task.hpp>
 
 // Corners that are passed at a part of the feed: DelayKind::corner_feed.
 //
@@ -13,6 +16,13 @@
 // 2 `lead` slow samples than it would with d = 0 at feed. That time counts as a delay's.
 
 namespace accdec {
+
+/// Whether the control may pass a corner of the task at a part of the feed. Free taps never do.
+inline bool may_pass_slower(const Task& task) {
+  if (!task.settings || !task.settings->names(DelayKind::corner_feed)) return false;
+  const auto open = [](const TaskCorner& corner) { return corner.delay.value_or(0) == 0; };
+  return (task.filter || task.settings->names_family()) && std::ranges::any_of(task.corners, open);
+}
 
 /// Samples from a step of the command until the motion is steady, and one more for its jerk.
 /// @param order     of the filter

@@ -191,6 +191,8 @@ std::string corner_feed_in_words(const DesignResult& result, std::size_t corner)
 }
 
 std::string settings_in_words(const ChosenSettings& settings) {
+  if (settings.family == SettingFamily::taps)
+    return fmt::format("the {} taps that `accdec export` writes", settings.filter.taps.size());
   if (has_real_number(settings.family)) return length_and_number(settings);
   std::vector<std::string> named, plain;
   for (const Setting& setting : settings.values) {
@@ -265,7 +267,7 @@ std::string kinds_not_used(const DesignResult& result) {
 std::string proved_in_words(const DesignResult& result) {
   const auto& control = result.task.settings;
   if (result.status != Status::optimal) return "not proved best";
-  if (result.settings) return proved_best_in_words(*control);
+  if (result.settings && result.settings->family != SettingFamily::taps) return proved_best_in_words(*control);
   return control && !control->controller.empty() && !control->names(DelayKind::corner_feed)
              ? "proved best for this control"
          : control && !control->any_delay() ? "proved best of free taps with such delays"

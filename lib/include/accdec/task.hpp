@@ -104,6 +104,7 @@ struct ControllerSettings {
   std::shared_ptr<const ControlDialect> dialect{};  ///< of its programs, as its file has it; null: not known
   bool from_file = false;                           ///< a controller was named, built in or by a file
 
+  bool names(SettingFamily family) const;
   bool names(DelayKind kind) const;
   /// Whether anything but free taps is designed.
   bool names_family() const;

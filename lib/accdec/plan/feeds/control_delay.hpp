@@ -19,6 +19,9 @@ ControlDelays control_of(const ControllerSettings& settings, double width);
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.
 bool runs_on(const ControlDelays& control);
 
+/// @throws std::invalid_argument for free taps beside other families, and with delays that only tasks of corners have
+void require_planned_taps(const ControllerSettings& control);
+
 /// The part of both feeds of whose multiples corner feeds are; 0 if the control has none.
 double corner_feed_step_of(const std::optional<ControllerSettings>& settings);
 

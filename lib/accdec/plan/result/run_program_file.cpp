@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
@@ -42,6 +43,7 @@ PlanKind plan_kind(std::string_view name) {
 
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
                                const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+  if (task.settings) require_planned_taps(*task.settings);
   switch (options.plan) {
     case PlanKind::profiles: return run_fastest_plan(name, file, task, options, tell);
     case PlanKind::free: return run_free_plan(name, file, task, options, tell);

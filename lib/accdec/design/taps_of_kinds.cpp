@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <accdec/design/anytime.hpp>
+#include <accdec/design/design_settings.hpp>
+#include <accdec/design/taps_of_kinds.hpp>
+#include <accdec/families/settable_search.hpp>
+#include <accdec/files.hpp>
+#include <accdec/task/delay_kinds.hpp>
+#include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop
+/// lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits with any delay
+/// behind which the legs are apart, and the proof with its own one says so.
+DesignResult design_for_one_kind(const Task& task, bool stops, const DesignOptions& options) {
+  Task given = task;
+  given.settings.reset();
+  const auto with_delay = [&](int delay, double seconds) {
+    for (std::size_t j = 0; j < given.corners.size(); ++j)
+      given.corners[j].delay = task.corners[j].delay.value_or(delay);
+    DesignOptions within = options;
+    within.time_limit = seconds;
+    return design_task(given, within);
+  };
+  const auto began = std::chrono::steady_clock::now();
+  DesignResult result =
+      with_delay(stops ? task.design.order_max : 0, stops ? 0.5 * options.time_limit : options.time_limit);
+  if (stops && result.has_design())
+    result = with_delay(result.filter->order(), std::max(1e-3, options.time_limit - seconds_since(began)));
+  result.task.settings = task.settings;
+  return result;
+}
+
+/// The cheapest of the filters offered, each with the cheapest delays of the task's kinds.
+class Cheapest {
+ public:
+  explicit Cheapest(const Task& task) : task_(task) {}
+
+  void offer(const ChosenSettings& chosen) {
+    const Filter filter = make_filter(chosen.filter);
+    const double below = best_.has_design() ? best_.objective() / task_.sample_period * (1.0 - 1e-12) : unlimited;
+    const auto delays = delays_of_kinds(filter, task_, below);
+    if (!delays) return;
+    DesignResult result = assess(task_, filter, delays->delays, false, delays->parts);
+    if (!result.has_design()) return;
+    result.settings = chosen;
+    result.settings->delays = delays->kinds;
+    result.settings->width = delays->width;
+    best_ = std::move(result);
+  }
+  void offer_taps(const Filter& filter) {
+    const auto taps = filter.taps();
+    offer({.family = SettingFamily::taps,
+           .filter = {.kind = Shape::taps, .order = filter.order(), .taps = {taps.begin(), taps.end()}}});
+  }
+  void offer_taps(const DesignResult& result) {
+    if (result.filter) offer_taps(*result.filter);
+  }
+
+  const DesignResult& best() const { return best_; }
+
+ private:
+  const Task& task_;
+  DesignResult best_;
+};
+
+/// A member of the task's own families is a setting. Of others it is free taps as any.
+void offer_members(const Task& task, double seconds, const DesignOptions& options, Cheapest& cheapest) {
+  Task of_members = task;
+  ControllerSettings& settings = *of_members.settings;
+  std::erase(settings.families, SettingFamily::taps);
+  const bool own = !settings.families.empty();
+  if (!own) settings.families = {SettingFamily::averages}, settings.stages.assign(3, {});
+  const SettableDesign member = best_settings(of_members, seconds, options.cancel);
+  if (!member.chosen) return;
+  if (own)
+    cheapest.offer(*member.chosen);
+  else
+    cheapest.offer_taps(make_filter(member.chosen->filter));
+}
+
+/// Longest search for one more candidate, s. Most end at once.
+constexpr double candidate_seconds = 10.0;
+
+/// The orders of filters that cost less than the best so far; false if there are none.
+/// @param delays  samples that the given delays cost  @param of_order  what each order costs beside the filter's own
+bool keep_cheaper(const DesignResult& best, double delays, double of_order, Task& task) {
+  if (!best.has_design()) return true;
+  const LinearCost cost = cost_of(task);
+  const double room = best.objective() / task.sample_period * (1.0 - 1e-9) - delays - cost.filter;
+  const double most = std::floor(room / (cost.filter + of_order));
+  task.design.order_max = static_cast<int>(std::clamp<double>(most, -1.0, task.design.order_max));
+  return task.design.order_max >= std::max(1, task.design.order_min);
+}
+
+/// The filter that is best if the control only runs on, or only stops.
+void offer_one_kind(const Task& any, bool stops, DesignOptions options, Cheapest& cheapest) {
+  Task task = any;
+  const LinearCost cost = cost_of(task);
+  double stopping = 0.0;  // samples that each order costs at the corners
+  for (std::size_t j = 0; stops && j < task.corners.size(); ++j)
+    stopping += task.corners[j].delay ? 0.0 : cost.delay[j];
+  options.time_limit = std::min(options.time_limit, candidate_seconds);
+  if (keep_cheaper(cheapest.best(), cost.given_delays(task), stopping, task))
+    cheapest.offer_taps(design_for_one_kind(task, stops, options));
+}
+
+/// Filters made for the delays that the best has so far, and for shorter ones: of several corners with one width, few
+/// filters have such delays.
+void offer_for_delays(const Task& any, DesignOptions options, Cheapest& cheapest) {
+  const DesignResult first = cheapest.best();
+  if (!first.has_design() || any.corners.size() < 2) return;
+  options.time_limit = std::min(options.time_limit, candidate_seconds);
+  for (int shorter = 0; shorter < 3; ++shorter) {
+    Task given = any;
+    for (std::size_t j = 0; j < given.corners.size(); ++j)
+      given.corners[j].delay = any.corners[j].delay.value_or(std::max(0, first.corners[j].delay - shorter));
+    if (keep_cheaper(cheapest.best(), cost_of(given).given_delays(given), 0.0, given))
+      cheapest.offer_taps(design_task(given, options));
+  }
+}
+
+}  // namespace
+
+DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& options) {
+  Task task = asked;
+  const ControllerSettings& control = *asked.settings;
+  const bool only_taps = !control.names_family();
+  if (only_taps && task.filter)
+    throw std::invalid_argument(
+        "[controller] delays names kinds of delays for free taps, and a given [filter] has no taps to design; leave "
+        "out either");
+  const bool runs_on = control.names(DelayKind::continuous), stops = control.names(DelayKind::exact_stop);
+  const bool one_kind = control.delays.size() == 1 && (runs_on || stops);
+  if (only_taps && one_kind) return design_for_one_kind(task, stops, options);
+  const auto began = std::chrono::steady_clock::now();
+  const auto left = [&] { return std::max(1e-3, options.time_limit - seconds_since(began)); };
+  if (task.filter && !task.baseline) task.baseline = task.filter;
+  task.filter.reset();
+
+  Task any = task;
+  any.settings.reset();
+  DesignOptions within = options;
+  within.time_limit = 0.6 * options.time_limit;
+  const DesignResult taps = one_kind ? design_for_one_kind(task, stops, within) : design_task(any, within);
+  const bool slows = control.names(DelayKind::corner_feed);
+  if (taps.status == Status::infeasible && !slows) {
+    DesignResult none = taps;
+    none.task.settings = task.settings;
+    return none;
+  }
+  if (one_kind && taps.has_design()) task = taps.task;  // its proof is about these delays
+  Cheapest cheapest(task);
+  // Settings first: among equal times they are easier to enter than taps.
+  offer_members(task, 0.5 * left(), options, cheapest);
+  cheapest.offer_taps(taps);
+  const bool met = cheapest.best().has_design() && taps.lower_bound &&
+                   cheapest.best().objective() <= *taps.lower_bound * (1.0 + 1e-9);
+  if (!met && !one_kind && !control.any_delay()) {
+    within.time_limit = 0.2 * left();
+    if (runs_on) offer_one_kind(any, false, within, cheapest);
+    if (stops) offer_one_kind(any, true, within, cheapest);
+    if (control.names(DelayKind::in_position)) offer_for_delays(any, within, cheapest);
+  }
+  DesignResult result = cheapest.best();
+  result.task = task;
+  result.solver = taps.solver, result.stop = taps.stop;
+  result.solver.wall_time = seconds_since(began);
+  if (!result.has_design()) {
+    result.status = Status::failed;
+    result.message = "no filter was found that holds all limits with delays of these kinds";
+    return result;
+  }
+  if (!slows && taps.lower_bound && taps.certificate) {
+    result.lower_bound = taps.lower_bound, result.certificate = taps.certificate;
+    judge_gap(result);
+    const bool member = result.settings->family != SettingFamily::taps;
+    if (member && result.status == Status::optimal) result.family_bound = result.objective();
+  }
+  compare_with_today(result);
+  return result;
+}
+
+}  // namespace accdec
