@@ -231,7 +231,8 @@ reads = "nl"
 answer = "values"
 [[problem]]
 name = "corner"
-task = ")" + test_support::source_folder() + R"(/problems/corner/acceleration-jerk.toml"
+task = ")" + test_support::source_folder() +
+                                           R"(/problems/corner/acceleration-jerk.toml"
 formulation = "margin"
 order = 30
 )");

@@ -118,8 +118,8 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
 }
 
 std::string program_state(const External& external) {
-  const auto words = command_words(
-      external.command, {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", external.folder}});
+  const auto words = command_words(external.command,
+                                   {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", external.folder}});
   const auto hash = [](const fs::path& path) -> std::string {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) return "";

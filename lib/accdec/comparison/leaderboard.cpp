@@ -147,8 +147,8 @@ ComparisonTable leaderboard_table(const ComparisonData& data) {
   const auto classes = classes_of(data);
   for (const auto& [name, count] : classes) table.head.push_back(name + " / %");
   for (const char* head :
-       {"median time / s", "upper quartile / s", "infeasibility recognised", "wrong claims", "claimed solved, but worse",
-        "claimed infeasible, but is not", "claims", "out of time", "refused"})
+       {"median time / s", "upper quartile / s", "infeasibility recognised", "wrong claims",
+        "claimed solved, but worse", "claimed infeasible, but is not", "claims", "out of time", "refused"})
     table.head.emplace_back(head);
   for (const Standing& s : standings_of(data)) {
     std::vector<std::string> row{s.solver, s.library, fmt::format("{:.1f}", s.all.percent()),

@@ -54,8 +54,8 @@ std::optional<std::size_t> too_deep(std::string_view text) {
   return std::nullopt;
 }
 
-/// Refuses numbers that are written with digits but read as 0, such as 1e-400, and integers that no double holds, as all
-/// keys read doubles.
+/// Refuses numbers that are written with digits but read as 0, such as 1e-400, and integers that no double holds, as
+/// all keys read doubles.
 class LostNumbers {
  public:
   LostNumbers(std::string_view text, const std::string& name) : text_(text), name_(name) {
