@@ -277,7 +277,9 @@ TEST(Loads, AdviceScalesForcesOfACurveNotItsSpeeds) {
   for (Axis& x : fast.machine.axes)
     x.mass = 10.0, x.force_speed = {{0.0, 100.0}, {0.08, 50.0}}, x.force_speed_max = 100.0;
   for (const Remedy& remedy : explain_task(fast).remedies) {
-    if (remedy.room.name == "force speed of all axes") EXPECT_EQ(remedy.help, Remedy::Help::no);
+    if (remedy.room.name == "force speed of all axes") {
+      EXPECT_EQ(remedy.help, Remedy::Help::no);
+    }
   }
   EXPECT_NE(design_task(fast).message.find("the curve ends at 80 mm/s, corner A runs at"), std::string::npos)
       << design_task(fast).message;
