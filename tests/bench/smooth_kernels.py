@@ -78,14 +78,14 @@ def residual(taps, damping=0.0, band=BAND):
     return worst
 
 
-def filter_of(order, peak, step, allowed, damping=0.0, inside=False, band=BAND):
+def filter_of(order, peak, step, allowed, damping=0.0, inside=False, band=BAND, period=PERIOD):
     """A filter of this order within the limits by a linear program, or None. The circle of the residual is replaced by
     a polygon of 72 sides about it (necessary conditions) or inside it, at 41 frequencies."""
     n, sides = order + 1, 72
     difference = np.eye(n + 1, n) - np.eye(n + 1, n, -1)
     rows, bounds = [difference, -difference], [np.full(2 * n + 2, step)]
     for frequency in np.linspace(*band, 41):
-        at = 2.0 * np.pi * frequency * PERIOD * np.arange(n)[::-1]
+        at = 2.0 * np.pi * frequency * period * np.arange(n)[::-1]
         weight = np.exp((-damping + 1j * np.sqrt(1.0 - damping**2)) * at)
         rows.append((weight[None, :] * np.exp(-2j * np.pi * np.arange(sides) / sides)[:, None]).real)
         bounds.append(np.full(sides, allowed * (np.cos(np.pi / sides) if inside else 1.0)))

@@ -16,6 +16,7 @@
 namespace accdec {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::ordered_json;
@@ -113,6 +114,23 @@ TEST(CliEvaluate, NamesTheCornerWithoutDelay) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("corner A has no `delay_samples`"));
   EXPECT_THAT(outcome.err, Not(HasSubstr(":1:1:")));
+}
+
+/// Axes a, b and c are in degrees and have torques, as the task wrote them.
+TEST(CliEvaluate, GivesRotaryAxesInDegrees) {
+  const TemporaryFolder folder;
+  const std::string task =
+      "sample_period_ms = 1\n[filter]\nkind = \"averages\"\nlengths = [40, 20]\n[[axis]]\nname = \"x\"\n"
+      "acceleration_max_mm_s2 = 6000\n[[axis]]\nname = \"a\"\nvelocity_max_deg_s = 180\ninertia_kg_m2 = 0.8\n"
+      "torque_max_N_m = 60\n[[corner]]\ndirection_in = [1, 0]\ndirection_out = [0, 1]\nfeed_in_mm_min = 6000\n"
+      "delay_samples = 20\n";
+  const Outcome outcome = run({"evaluate", folder.write("a.toml", task)});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  // 100 deg/s within 40 ms: 2500 deg/s^2 of 0.8 kg m^2
+  EXPECT_THAT(outcome.out, ContainsRegex("velocity +a .* 100 +180 +deg/s"));
+  EXPECT_THAT(outcome.out, ContainsRegex("torque +a .* 34.9066 +60 +N m"));
+  const Outcome fast = run({"evaluate", folder.write("a.toml", std::string(task).replace(task.find("180"), 3, "50"))});
+  EXPECT_THAT(fast.err, HasSubstr("asks axis a for 100 deg/s; allowed is velocity_max_deg_s = 50"));
 }
 
 }  // namespace

@@ -257,5 +257,33 @@ TEST(Loads, CurvesBehindAServoAreThoseOfTheMotion) {
   }
 }
 
+/// More force does not make a drive faster: the curve's speeds stay.
+TEST(Loads, AdviceScalesForcesOfACurveNotItsSpeeds) {
+  Axis axis;
+  axis.mass = 40.0, axis.acceleration_max = 8.0;
+  axis.force_speed = {{0.0, 200.0}, {0.06, 180.0}, {0.15, 90.0}}, axis.force_speed_max = 200.0;
+  const Task task = plane_task(axis, plane_corner("A", 90.0, 30.0, 0.1, 0.1), 50e-6);
+  const Explanation explained = explain_task(task);
+  Task more = task;
+  for (Axis& x : more.machine.axes)
+    x.force_speed = {{0.0, 220.0}, {0.06, 198.0}, {0.15, 99.0}}, x.force_speed_max = 220.0;
+  const double least = design_task(more).objective();
+  const auto found = std::ranges::find_if(explained.gains,
+                                          [](const Gain& gain) { return gain.room.name == "force speed of all axes"; });
+  ASSERT_NE(found, explained.gains.end());
+  EXPECT_NEAR(found->objective, least, 1e-12);
+
+  Task fast = task;
+  for (Axis& x : fast.machine.axes)
+    x.mass = 10.0, x.force_speed = {{0.0, 100.0}, {0.08, 50.0}}, x.force_speed_max = 100.0;
+  for (const Remedy& remedy : explain_task(fast).remedies) {
+    if (remedy.room.name == "force speed of all axes") {
+      EXPECT_EQ(remedy.help, Remedy::Help::no);
+    }
+  }
+  EXPECT_NE(design_task(fast).message.find("the curve ends at 80 mm/s, corner A runs at"), std::string::npos)
+      << design_task(fast).message;
+}
+
 }  // namespace
 }  // namespace accdec

@@ -93,6 +93,18 @@ def test_a_mode_of_an_axis_is_bounded_in_micrometres():
         task(residual_max_um=20)
 
 
+def test_what_is_read_is_writable():
+    task = accdec.Task.parse(FILE)
+    assert task.replace(axes=task.axes) == task
+    again = task.replace(corners=task.corners).corners[0]
+    assert again["angle"] == pytest.approx(task.corners[0]["angle"])
+    assert again["direction_out"] == pytest.approx(task.corners[0]["direction_out"])
+    with pytest.raises(accdec.InputError, match="angle"):
+        task.replace(corners={**task.corners[0], "angle": 1.0})
+    servo = task.replace(axes={"jerk_max": 60.0, "servo_gain": 200.0})
+    assert servo.replace(axes=servo.axes) == servo
+
+
 def test_a_force_speed_curve():
     def task(curve):
         return accdec.Task(sample_period=1e-3, axes={"mass": 50.0, "jerk_max": 1000.0, "force_speed_N": curve},
@@ -100,7 +112,8 @@ def test_a_force_speed_curve():
 
     bounded = task([[0, 400], [50, 350], [150, 150]])
     assert accdec.Task.parse(bounded.to_toml()) == bounded
-    assert bounded.axes[0]["force_speed"] == [(0, 400), (0.05, 350), (0.15, 150)]
+    assert bounded.axes[0]["force_speed_N"] == [[0, 400], [50, 350], [150, 150]]
+    assert bounded.replace(axes=bounded.axes) == bounded
     with pytest.raises(accdec.InputError, match="must not rise"):
         task([[0, 400], [50, 500]])
 

@@ -99,6 +99,19 @@ def _filter(name: str, value: Any) -> Any:
     return value
 
 
+def _without_angle(corner: Any) -> Any:
+    """Corners of a Task have both the angle and the directions that it follows from; files have either."""
+    if not isinstance(corner, Mapping) or not {"angle", "direction_in", "direction_out"} <= corner.keys():
+        return corner
+    try:
+        cosine = -np.dot(corner["direction_in"], corner["direction_out"]) / (
+            np.linalg.norm(corner["direction_in"]) * np.linalg.norm(corner["direction_out"]))
+        same = abs(cosine - math.cos(corner["angle"])) < 1e-9
+    except (TypeError, ValueError):
+        return corner
+    return {key: value for key, value in corner.items() if key != "angle"} if same else corner
+
+
 def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
     """The tables of a task file, still with SI names where they were given so."""
     task: dict[str, Any] = {}
@@ -121,6 +134,8 @@ def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
             task.setdefault("design", {}).update(_plain(value, name))
         else:
             task[key] = _plain(value, name)
+            if key == "corner":
+                task[key] = [_without_angle(corner) for corner in task[key]]
     return task
 
 

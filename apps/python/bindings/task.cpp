@@ -97,22 +97,36 @@ py::dict corner_dict(const TaskCorner& c) {
   return d;
 }
 
+/// None stands for a key that is not given, so that the constructor takes what is read here.
 py::dict axis_dict(const Axis& axis) {
   py::dict d;
   d["name"] = axis.name;
   d["mass"] = axis.mass;
   d["damping"] = axis.damping;
   d["coulomb"] = axis.coulomb;
-  for (const AxisLimit& limit : axis_limits)
-    d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
-  py::list curve;
-  for (const SpeedForce& point : axis.force_speed) curve.append(py::make_tuple(point.speed, point.force));
-  d["force_speed"] = curve;
+  for (const AxisLimit& limit : axis_limits) {
+    if (limit.kind != LimitKind::force_speed)
+      d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
+  }
   d["force_rms"] = axis.force_rms_max;
   d["servo_gain"] = axis.servo_gain;
-  d["velocity_feedforward"] = axis.velocity_feedforward;
-  d["response_taps"] = axis.response_taps;
+  const bool servo = axis.servo_gain < unlimited, measured = !axis.response_taps.empty();
+  d["velocity_feedforward"] = servo ? py::object(py::float_(axis.velocity_feedforward)) : py::none();
+  d["response_taps"] = measured ? py::cast(axis.response_taps) : py::none();
   return d;
+}
+
+py::list axes_of(const Task& task) {
+  const auto written = task_to_json(task).at("axis");
+  py::list list;
+  for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
+    py::dict d = axis_dict(task.machine.axes[i]);
+    const auto curve = written[i].find(force_speed_key);
+    d[py::str(force_speed_key)] =
+        curve == written[i].end() ? py::none() : py::cast(curve->template get<std::vector<std::vector<double>>>());
+    list.append(d);
+  }
+  return list;
 }
 
 std::string describe_task(const Task& task) {
@@ -143,11 +157,13 @@ sample_period : float
 axes : dict or list of dict, optional
     velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
     regeneration_max, force_speed_N ([[mm/s, N], ..]), force_rms (N, over a whole program), name, servo_gain (1/s) with
-    velocity_feedforward, or response_taps. One dict stands for every axis.
+    velocity_feedforward, or response_taps. One dict stands for every axis. Axes named a, b and c turn:
+    velocity_max_deg_s, acceleration_max_deg_s2, jerk_max_deg_s3, inertia_kg_m2, damping_N_m_s, coulomb_N_m,
+    torque_max_N_m, torque_rms_N_m.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict
-    angle (or direction_in and direction_out), feed_in, feed_out, error_max, speed_min, delay, weight, heading, turn,
+    angle (or direction_in and direction_out), feed_in, feed_out, error_max, contour_max, speed_min, delay, weight, heading, turn,
     name.
 modes : dict or list of dict, optional
     frequency (Hz, or a band [low, high]; or one with frequency_spread), damping_ratio (0 .. 0.9, or a range [low,
@@ -171,7 +187,7 @@ controller : dict, optional
     a program says for each of them;
     in_position_of ("command" or "actual") and in_position_latency (s): how it sees that it is in-position;
     corner_feed_step: corners are passed at multiples of this fraction of both feeds;
-    prefilter_taps: its own smoothing of every axis.
+    prefilter_taps: its own smoothing of every axis; position_unit_um: positions are whole numbers of it.
 
 Raises
 ------
@@ -226,7 +242,7 @@ void bind_task(py::module_& module) {
            "``set('corner.*.error_max_um', 20)``.")
       .def_readonly("title", &Task::title)
       .def_readonly("sample_period", &Task::sample_period)
-      .def_property_readonly("axes", [](const Task& task) { return list_of(task.machine.axes, axis_dict); })
+      .def_property_readonly("axes", &axes_of)
       .def_property_readonly("corners", [](const Task& task) { return list_of(task.corners, corner_dict); })
       .def_property_readonly("objective", [](const Task& task) { return to_string(task.design.objective); })
       .def_property_readonly("order_min", [](const Task& task) { return task.design.order_min; })

@@ -7,6 +7,7 @@
 #include <accdec/certificate.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/coarse_design.hpp>
+#include <accdec/design/covered_part.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
 #include <accdec/design/smoothed_bound.hpp>
@@ -19,7 +20,6 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/equal_corners.hpp>
-#include <accdec/task/limits_on_taps.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/verify.hpp>
 
@@ -37,20 +37,6 @@ Task easier_part(Task task) {
   task.machine.power_total_max = task.machine.regeneration_total_max = unlimited;
   for (TaskCorner& corner : task.corners) corner.speed_min = 0.0;
   return task;
-}
-
-/// The task without the limits that the exact method does not know.
-Task covered_part(const Task& task) {
-  Task part = *limits_on_taps(task);
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    part.corners[j].error_max = task.corners[j].error_max;
-    part.corners[j].contour_max = task.corners[j].contour_max;
-  }
-  part.machine.power_total_max = part.machine.regeneration_total_max = unlimited;
-  for (Axis& axis : part.machine.axes) {
-    if (axis.coulomb > 0.0) axis.power_max = axis.regeneration_max = unlimited;
-  }
-  return part;
 }
 
 /// One design by all methods, each with its share of the time limit.
@@ -86,15 +72,13 @@ class Anytime {
   DesignResult run_in_part() {
     exact_ = DesignResult();
     const bool ideal = Response(task_.machine, task_.sample_period).ideal();
-    exact_->message = ideal ? "the proof does not consider the supply that the axes share, nor power and regeneration "
-                              "of axes with dry friction"
-                      : !task_.machine.prefilter_taps.empty()
-                          ? "the bound is of any filter in place of this one and the control's smoothing together"
-                          : "the proof does not consider force, power, regeneration and smallest speeds behind a "
-                            "servo, nor a shared supply";
     coarse(0.1);
     shapes(ideal ? 0.1 : 0.4);
-    bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
+    const bool finished = bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
+    exact_->message = task_.machine.prefilter_taps.empty()
+                          ? fmt::format("{}the proof does not consider {}",
+                                        finished ? "" : "the time ended before the proof, and ", left_out(task_))
+                          : "the bound is of any filter in place of this one and the control's smoothing together";
     judge();
     if (settled()) return *exact_;
     if (best_ && best_->status == Status::optimal) return finish();
@@ -212,11 +196,13 @@ class Anytime {
   }
 
   /// A bound without power, regeneration and smallest speed also holds with them.
-  void bound_of_part(const Task& part, double share) {
-    if (over() || !options_.exact.certificate) return;
+  /// @return whether the proof of the part was finished
+  bool bound_of_part(const Task& part, double share) {
+    if (over() || !options_.exact.certificate) return false;
     ExactOptions exact = exact_options(options_, std::min(share * options_.time_limit, left()));
     exact.gap = 0.0;
     DesignResult found = design_exact(part, exact);
+    const bool finished = found.status == Status::optimal || found.status == Status::infeasible;
     const auto late = [this] { return over(); };
     if (found.has_design() && !task_.machine.prefilter_taps.empty()) {
       if (auto whole = in_front_of_smoothing(task_, *found.filter, late); whole && whole->has_design())
@@ -229,16 +215,17 @@ class Anytime {
       if (whole.has_design()) offer_design(std::move(whole));
     }
     found = without_smoothing(task_, std::move(found));
-    if (!found.certificate) return;
+    if (!found.certificate) return finished;
     if (found.status == Status::infeasible && !exact_covers(task_)) {
       found.task = task_;
       if (check_certificate(task_, found, late).accepted) exact_ = std::move(found);
-      return;
+      return finished;
     }
-    if (!found.lower_bound) return;
+    if (!found.lower_bound) return finished;
     found.task = task_;
     found.status = Status::feasible;
     if (check_certificate(task_, found, late).accepted) offer_bound(found);
+    return finished;
   }
 
   /// Whether the best design is as short as the bound.

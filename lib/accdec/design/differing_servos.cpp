@@ -119,8 +119,13 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
     }
   }
   DesignResult best = designs.best();
-  best.message = best.has_design() ? "axes respond differently: verified, and not proved to be the fastest"
-                                   : "no design was found for axes with different servos";
+  const bool differ = servos_differ(task.machine);
+  if (best.has_design())
+    best.message = differ ? "axes respond differently: verified, and not proved to be the fastest"
+                          : "response_taps has negative taps: verified, and not proved to be the fastest";
+  else
+    best.message = differ ? "no design was found for axes with different servos"
+                          : "no design was found behind response_taps with negative taps";
   if (stopped()) best.stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
   return best;
 }

@@ -4,34 +4,41 @@
 #include <fmt/format.h>
 
 #include <accdec/design.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
 
 namespace accdec {
 namespace {
 
-std::string words(LimitKind kind) {
-  std::string text(kind == LimitKind::speed_min ? "smallest speed" : to_string(kind));
+std::string words(LimitKind kind, std::string_view axis = {}) {
+  std::string text(kind == LimitKind::speed_min ? "smallest speed" : limit_word(kind, axis));
   std::replace(text.begin(), text.end(), '_', ' ');
   return text;
 }
 
-Lever limit_lever(LimitKind kind, double value) {
+Lever limit_lever(LimitKind kind, double value, std::string_view axis = {}) {
   Lever lever;
   lever.kind = kind;
-  lever.unit = limit_name(kind).unit;
-  lever.per_si = limit_name(kind).per_si;
+  lever.unit = limit_unit(kind, axis).name;
+  lever.per_si = limit_unit(kind, axis).per_si;
   lever.value = lever.scale = value;
   return lever;
 }
 
 Lever axis_lever(const AxisLimit& limit, const Task& task, std::size_t a) {
   const Axis& axis = task.machine.axes[a];
-  Lever lever = limit_lever(limit.kind, axis.*limit.bound);
-  lever.name = fmt::format("{} {}", words(limit.kind), axis.name);
-  lever.key = fmt::format("axis.{}.{}", axis.name, limit.key);
+  Lever lever = limit_lever(limit.kind, axis.*limit.bound, axis.name);
+  lever.name = fmt::format("{} {}", words(limit.kind, axis.name), axis.name);
+  lever.key = fmt::format("axis.{}.{}", axis.name, limit_key(limit, axis.name));
   lever.axis = axis.name;
-  lever.set = [a, bound = limit.bound](Task& t, double v) { t.machine.axes[a].*bound = v; };
+  if (limit.kind == LimitKind::force_speed) {
+    // A drive of more force has it at the same speeds.
+    lever.end = limit.key_max;
+    lever.set = [a](Task& t, double v) { scale_forces(t.machine.axes[a], v); };
+  } else {
+    lever.set = [a, bound = limit.bound](Task& t, double v) { t.machine.axes[a].*bound = v; };
+  }
   return lever;
 }
 
@@ -222,14 +229,16 @@ std::vector<Room> rooms_of(const std::vector<Lever>& levers) {
       const bool by_axis = !first->axis.empty(), by_corner = !first->corner.empty();
       // "axis.x.jerk_max_mm_s3" with a * for the name; in the keys used here, names have no dots.
       const std::string last_part = first->key.substr(first->key.rfind('.'));
+      const bool one_key = std::all_of(first, last, [&](const Lever& l) { return l.key.ends_with(last_part); });
       rooms.push_back({fmt::format("{} {}", words(*first->kind),
                                    by_axis     ? "of all axes"
                                    : by_corner ? "at all corners"
                                                : "of all modes"),
-                       (by_axis     ? "axis.*"
-                        : by_corner ? "corner.*"
-                                    : "mode.*") +
-                           last_part,
+                       !one_key ? ""
+                                : (by_axis     ? "axis.*"
+                                   : by_corner ? "corner.*"
+                                               : "mode.*") +
+                                      last_part,
                        {first, last}});
     }
     const bool too_many = !first->corner.empty() && static_cast<std::size_t>(last - first) > corners_apart_max;

@@ -185,6 +185,7 @@ FoundMode spread_over_parts(const Weighed& whole, const std::vector<std::vector<
     const auto closest =
         std::min_element(part.begin(), part.end(), [&](const Weighed& a, const Weighed& b) { return off(a) < off(b); });
     if (closest == part.end() || off(*closest) > near || closest->energy < enough * whole.energy) continue;
+    ++mode.compared;
     mode.spread = std::max(mode.spread, off(*closest));
     mode.damping_low = std::min(mode.damping_low, closest->mode.damping);
     mode.damping_high = std::max(mode.damping_high, closest->mode.damping);

@@ -14,6 +14,7 @@ struct FoundMode {
   double frequency = 0.0;                        ///< Hz, without damping
   double damping = 0.0;                          ///< damping ratio
   double spread = 0.0;                           ///< largest relative change of the frequency between parts of the log
+  int compared = 0;                              ///< parts that show the mode; 0: nothing tells the spread
   double damping_low = 0.0, damping_high = 0.0;  ///< of the whole log and its parts
   double share = 0.0;                            ///< of the energy of the axis within the band, 0 .. 1
 };

@@ -9,6 +9,7 @@
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/quantise.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -105,8 +106,9 @@ std::string too_coarse(const Task& task, double unit) {
         return fmt::format(
             "one unit of {} bits is a tap whose {} on axis {} is {:.6g} {}, above the limit; at least "
             "{:.0f} bits are needed",
-            task.design.coefficient_bits, to_string(kind), axis.name, limit_name(kind).per_si * effect * unit,
-            limit_name(kind).unit, std::ceil(std::log2(effect / bound)));
+            task.design.coefficient_bits, to_string(kind), axis.name,
+            limit_unit(kind, axis.name).per_si * effect * unit, limit_unit(kind, axis.name).name,
+            std::ceil(std::log2(effect / bound)));
       }
     }
   }

@@ -11,6 +11,7 @@
 
 #include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/task/not_considered.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -80,8 +81,8 @@ ReportTable limit_report(const DesignResult& result) {
   }
   ReportTable table{{"limit", "axis", "used %", "value", "bound", "unit", "where"}, {}};
   for (const LimitUse* use : worst) {
-    const LimitName& name = limit_name(use->kind);
-    std::string kind(to_string(use->kind));
+    const LimitUnit unit = limit_unit(use->kind, use->axis);
+    std::string kind(limit_word(use->kind, use->axis));
     std::replace(kind.begin(), kind.end(), '_', ' ');
     std::string where = use->kind == LimitKind::vibration ? place_of_vibration(*use, 4)
                         : use->kind == LimitKind::residual
@@ -89,8 +90,8 @@ ReportTable limit_report(const DesignResult& result) {
                             : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
     table.rows.push_back({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
-                          fmt::format("{:.6g}", name.per_si * use->value),
-                          fmt::format("{:.9g}", name.per_si * use->bound), std::string(name.unit), where});
+                          fmt::format("{:.6g}", unit.per_si * use->value),
+                          fmt::format("{:.9g}", unit.per_si * use->bound), std::string(unit.name), where});
   }
   return table;
 }

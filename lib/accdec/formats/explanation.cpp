@@ -6,6 +6,7 @@
 
 #include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/task/not_considered.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -73,8 +74,8 @@ std::string binding_text(const Explanation& e, bool samples) {
                                  samples ? "" : "; --verbose: at which samples");
   const Binding* before = nullptr;
   for (const Binding& b : e.bindings) {
-    const LimitName& name = limit_name(b.kind);
-    std::string what(b.kind == LimitKind::speed_min ? "smallest speed" : name.name);
+    const LimitUnit unit = limit_unit(b.kind, b.axis);
+    std::string what(b.kind == LimitKind::speed_min ? "smallest speed" : limit_word(b.kind, b.axis));
     std::replace(what.begin(), what.end(), '_', ' ');
     const bool same =
         before != nullptr && before->kind == b.kind && before->axis == b.axis && before->corner == b.corner;
@@ -88,7 +89,7 @@ std::string binding_text(const Explanation& e, bool samples) {
       text += fmt::format(" {}\n", where);
     } else {
       text += fmt::format("  {}{}{}{} ({:.9g} {}): {}\n", b.corner.empty() ? "" : fmt::format("corner {}, ", b.corner),
-                          what, b.axis.empty() ? "" : " ", b.axis, name.per_si * b.bound, name.unit, where);
+                          what, b.axis.empty() ? "" : " ", b.axis, unit.per_si * b.bound, unit.name, where);
     }
     before = &b;
   }

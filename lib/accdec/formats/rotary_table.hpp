@@ -6,14 +6,12 @@
 
 #include <accdec/files/toml_table.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 
 // Internal: the keys of rotary axes in [[axis]]. Inside, a degree is a millimetre (files/units.hpp).
 
 namespace accdec {
-
-/// Whether an axis of this name turns: a, b or c.
-bool is_rotary(std::string_view axis_name);
 
 /// The keys themselves.
 std::vector<Key> rotary_keys();

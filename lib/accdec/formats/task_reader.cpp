@@ -54,9 +54,10 @@ Axis read_axis(const Table& table, std::vector<std::string>& notes) {
     if (limit.key != force_speed_key) axis.*limit.bound = table.number(limit.key).value_or(unlimited);
     if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0 && !table.has("inertia_kg_m2") &&
         !table.has("damping_N_m_s")) {
+      const char* load = is_rotary(axis.name) ? "inertia_kg_m2 or damping_N_m_s" : "mass_kg or damping_N_s_m";
       table.fail_at(limit.key, fmt::format("`{}` can never bind: force is mass * acceleration + damping * velocity; "
-                                           "give mass_kg or damping_N_s_m",
-                                           limit.key));
+                                           "give {}",
+                                           limit.key, load));
     }
   }
   axis.coulomb = table.required_number("coulomb_N");
@@ -203,11 +204,12 @@ void check_feeds(const TaskCorner& corner, const Table& table, const Machine& ma
     const auto check = [&](std::string_view key, double feed, double part) {
       // The last factor allows for rounding, for example of sqrt(1/2).
       if (feed * std::abs(part) <= axis.velocity_max * (1.0 + 1e-12)) return;
+      const char* unit = is_rotary(axis.name) ? "deg" : "mm";
       table.fail_at(table.has(key) ? key : "feed_in_mm_min",
-                    fmt::format("corner {}: {} asks axis {} for {:.6g} mm/s; allowed is velocity_max_mm_s = {:.10g} (a "
+                    fmt::format("corner {}: {} asks axis {} for {:.6g} {}/s; allowed is velocity_max_{}_s = {:.10g} (a "
                                 "feed up to {:.10g} mm/min in this direction)",
-                                corner.name, key, axis.name, 1e3 * feed * std::abs(part), 1e3 * axis.velocity_max,
-                                6e4 * axis.velocity_max / std::abs(part)));
+                                corner.name, key, axis.name, 1e3 * feed * std::abs(part), unit, unit,
+                                1e3 * axis.velocity_max, 6e4 * axis.velocity_max / std::abs(part)));
     };
     check("feed_in_mm_min", legs.feed_in, legs.direction_in[a]);
     check("feed_out_mm_min", legs.feed_out, legs.direction_out[a]);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -40,7 +41,11 @@ bool one_of(const Unit* unit, std::string_view names) {
 }
 
 /// None: no such column is known.
-std::optional<Column> column_of(std::string_view name) {
+/// @param given  in letters of any size
+std::optional<Column> column_of(std::string_view given) {
+  std::string lower(given);
+  for (char& letter : lower) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  std::string_view name = lower;
   const Unit* unit = cut_unit(name);
   const double factor = unit == nullptr ? 1.0 : 1.0 / unit->divisor;
   if (name == "t" || name == "time") {
@@ -188,9 +193,15 @@ std::vector<Mode> bounded_modes(const std::vector<FoundMode>& modes, double resi
 
 std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLog& log,
                           const std::vector<ModeCost>& costs, double residual, const std::string& log_name) {
+  std::vector<std::string> columns;  // a log may have several of one axis
+  for (const std::string& axis : log.axes)
+    if (std::ranges::find(columns, axis) == columns.end()) columns.push_back(axis);
   std::string text = fmt::format("# found in {}: {} samples of {}, {:.4g} s\n", log_name, log.samples(),
-                                 fmt::join(log.axes, ", "), static_cast<double>(log.samples()) * log.period);
-  if (modes.empty()) text += "# no vibration stands out\n";
+                                 fmt::join(columns, ", "), static_cast<double>(log.samples()) * log.period);
+  if (modes.empty())
+    text += "# no vibration stands out\n";
+  else
+    text += "# holds for noise, sweeps, and jolts at regular times or so far apart that each dies away\n";
   for (const ModeCost& cost : costs) {
     if (cost.more)
       text += fmt::format("# residual_max = {:g} costs {:.4g} ms{}\n", cost.residual, 1e3 * *cost.more,
@@ -201,8 +212,11 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   for (const FoundMode& mode : modes) {
     const Mode held = bounded(mode, residual);
     text += fmt::format(
-        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.0f} % of its vibration, within {:.1f} % over the log\n[[mode]]\n",
-        mode.axis, mode.frequency, mode.damping, 100.0 * mode.share, 100.0 * mode.spread);
+        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.0f} % of its vibration, {}\n[[mode]]\n", mode.axis, mode.frequency,
+        mode.damping, 100.0 * mode.share,
+        mode.compared > 0 ? fmt::format("within {:.1f} % over the log", 100.0 * mode.spread)
+                          : fmt::format("no parts of the log to compare: widen the ranges by hand, {:.0f} % is assumed",
+                                        100.0 * spread_least));
     text += fmt::format("frequency_Hz = [{:.5g}, {:.5g}]\n", rounded(held.frequency_low), rounded(held.frequency_high));
     text += fmt::format("damping_ratio = [{:.3g}, {:.3g}]\n", held.damping_low, held.damping_high);
     text += fmt::format("residual_max = {:g}\n", residual);

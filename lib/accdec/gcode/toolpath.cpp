@@ -305,9 +305,8 @@ void Builder::move(const Move& move) {
       if ((moving & (1U << a)) != 0U && given_.limited && limits_[a] == nullptr) {
         fail(move, fmt::format("axis {0} is not among the axes of the task{1}", program_axes[a],
                                rotary_axis(a) ? fmt::format(": it is rotary and takes no limits from others; add an "
-                                                            "[[axis]] with name = \"{}\", where a degree counts as a "
-                                                            "millimetre: velocity_max_mm_s in degrees a second, "
-                                                            "acceleration_max_mm_s2 in degrees/s^2",
+                                                            "[[axis]] with name = \"{}\": velocity_max_deg_s, "
+                                                            "acceleration_max_deg_s2",
                                                             static_cast<char>(program_axes[a] | 0x20))
                                               : ""));
       }

@@ -45,4 +45,21 @@ inline std::vector<ForceLine> force_lines(const Axis& axis) {
   return lines;
 }
 
+/// Largest force at a speed up to the curve's last, N.
+inline double force_at(const Axis& axis, double speed) {
+  double least = unlimited;
+  for (const ForceLine& line : force_lines(axis)) least = std::min(least, line.force - line.slope * speed);
+  return least;
+}
+/// The speed where the curve ends, m/s.
+inline double last_speed(const Axis& axis) {
+  return axis.force_speed.back().speed * (axis.force_speed_max / axis.force_speed.front().force);
+}
+/// Scales the curve's forces at their speeds, so that it begins with `first`, N, > 0.
+inline void scale_forces(Axis& axis, double first) {
+  const double scale = first / axis.force_speed.front().force;
+  for (SpeedForce& point : axis.force_speed) point.force *= scale;
+  axis.force_speed.front().force = axis.force_speed_max = first;
+}
+
 }  // namespace accdec

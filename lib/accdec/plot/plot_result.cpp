@@ -11,6 +11,7 @@
 #include <accdec/design.hpp>
 #include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/signed_value.hpp>
 #include <accdec/plot/figure_style.hpp>
@@ -40,13 +41,14 @@ Series curve_of(LimitKind kind, const CornerMotion& at, std::size_t axis) {
   const double still = still_part * std::max(motion.velocity.row(motion.cruise_in).norm(),
                                              motion.velocity.row(motion.cruise_out).norm());
   AxisSampler sampler(at.result.task.machine.axes[axis], at.result.task.sample_period, still);
+  const double per_si = limit_unit(kind, at.result.task.machine.axes[axis].name).per_si;
   Series curve{"", at.time, {}, kind == LimitKind::velocity ? Mark::line : Mark::steps, design_style, true};
   for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) {
     const SampledMotion& command = at.sampled.command;
     const AxisState state = with_load(sampler.next(command.velocity(n, column), command.acceleration(n, column)),
                                       at.result.task.machine.axes[axis], at.motion.velocity(n, column),
                                       at.motion.acceleration(n, column), still);
-    curve.y.push_back(signed_value(state, kind) * limit_name(kind).per_si);
+    curve.y.push_back(signed_value(state, kind) * per_si);
   }
   return curve;
 }
@@ -83,9 +85,12 @@ void add_speed(Panel& panel, const CornerMotion& now, const CornerMotion* before
 }
 
 /// One quantity of the axes that move: velocity and acceleration of all, others of those with a limit. None without.
-std::optional<Panel> motion_panel(LimitKind kind, const CornerMotion& now, const CornerMotion* before) {
+/// @param like  the name of an axis: those that turn have units of their own
+std::optional<Panel> motion_panel(LimitKind kind, std::string_view like, const CornerMotion& now,
+                                  const CornerMotion* before) {
   const std::vector<Axis>& axes = now.result.task.machine.axes;
-  QuantityPanel panel(kind, kind == LimitKind::force_speed ? "force scaled to standstill" : limit_name(kind).name,
+  const LimitUnit unit = limit_unit(kind, like);
+  QuantityPanel panel(unit, kind == LimitKind::force_speed ? "force scaled to standstill" : limit_word(kind, like),
                       time_panel(now, before));
   std::vector<Series> moved;
   int drawn = 0;
@@ -93,6 +98,7 @@ std::optional<Panel> motion_panel(LimitKind kind, const CornerMotion& now, const
     const auto a = static_cast<Eigen::Index>(axis);
     const Corner& legs = now.task.geometry();
     const Bounds bounds = bounds_of(axes[axis], kind);
+    if (is_rotary(axes[axis].name) != is_rotary(like)) continue;
     const bool always = kind == LimitKind::velocity || kind == LimitKind::acceleration;
     if ((std::abs(legs.direction_in[a]) <= 1e-12 && std::abs(legs.direction_out[a]) <= 1e-12) ||
         (!always && !bounds.any()))
@@ -101,14 +107,13 @@ std::optional<Panel> motion_panel(LimitKind kind, const CornerMotion& now, const
     panel.add(axes[axis].name, drawn, curve_of(kind, now, axis), old ? &*old : nullptr, bounds);
     if (now.sampled.moved && kind == LimitKind::velocity) {
       moved.push_back({axes[axis].name + " motion", now.time, {}, Mark::line, thin_style, true, drawn});
-      for (const double v : now.motion.velocity.col(a)) moved.back().y.push_back(v * limit_name(kind).per_si);
+      for (const double v : now.motion.velocity.col(a)) moved.back().y.push_back(v * unit.per_si);
     }
     ++drawn;
   }
   if (drawn == 0) return {};
   Panel made = panel.finished();
   std::move(moved.begin(), moved.end(), std::back_inserter(made.series));
-  if (kind == LimitKind::velocity) add_speed(made, now, before);
   return made;
 }
 
@@ -123,7 +128,7 @@ Panel total_power_panel(const CornerMotion& now, const CornerMotion* before) {
     }
     return sum;
   };
-  QuantityPanel panel(LimitKind::power, "power of all axes", time_panel(now, before));
+  QuantityPanel panel(limit_unit(LimitKind::power, ""), "power of all axes", time_panel(now, before));
   const std::optional<Series> old = before ? std::optional(total(*before)) : std::nullopt;
   panel.add("", 0, total(now), old ? &*old : nullptr, {-machine.regeneration_total_max, machine.power_total_max});
   return panel.finished();
@@ -134,7 +139,10 @@ std::vector<Panel> motion_panels(const CornerMotion& now, const CornerMotion* be
   std::vector<Panel> panels;
   for (const AxisLimit& limit : axis_limits) {
     if (limit.kind == LimitKind::regeneration) continue;  // drawn as power
-    if (std::optional<Panel> panel = motion_panel(limit.kind, now, before)) panels.push_back(*std::move(panel));
+    for (const std::string_view like : {"x", "a"}) {
+      if (std::optional<Panel> panel = motion_panel(limit.kind, like, now, before)) panels.push_back(*std::move(panel));
+    }
+    if (limit.kind == LimitKind::velocity && !panels.empty()) add_speed(panels.front(), now, before);
   }
   if (limits_supply(now.result.task.machine)) panels.push_back(total_power_panel(now, before));
   return panels;

@@ -13,14 +13,14 @@ namespace accdec {
 
 using namespace figure_style;
 
-QuantityPanel::QuantityPanel(LimitKind kind, std::string_view name, Panel panel)
-    : name_(limit_name(kind)), panel_(std::move(panel)) {
-  const Unit* const unit = find_unit(name_.unit);
-  panel_.title = fmt::format("{} / {}", name, unit ? unit->printed : name_.unit);
+QuantityPanel::QuantityPanel(LimitUnit shown, std::string_view name, Panel panel)
+    : unit_(shown), panel_(std::move(panel)) {
+  const Unit* const unit = find_unit(unit_.name);
+  panel_.title = fmt::format("{} / {}", name, unit ? unit->printed : unit_.name);
 }
 
 void QuantityPanel::add(const std::string& name, int dash, Series curve, const Series* before, const Bounds& bounds) {
-  Line line{name, bounds.low * name_.per_si, bounds.high * name_.per_si};
+  Line line{name, bounds.low * unit_.per_si, bounds.high * unit_.per_si};
   for (std::size_t n = 0; n < curve.y.size(); ++n) {
     const double used = std::max(curve.y[n] / line.high, curve.y[n] / line.low);
     if (used > line.use) line.use = used, line.worst = {curve.x[n], curve.y[n]};

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/machine.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/plot/figure.hpp>
 
 // Internal to this folder.
@@ -24,7 +24,7 @@ struct Bounds {
 class QuantityPanel {
  public:
   /// @param panel  empty, with its scale of time
-  QuantityPanel(LimitKind kind, std::string_view name, Panel panel);
+  QuantityPanel(LimitUnit unit, std::string_view name, Panel panel);
 
   /// @param name  of the axis, empty if there is but one curve  @param dash  that tells it from other axes
   void add(const std::string& name, int dash, Series curve, const Series* before, const Bounds& bounds);
@@ -45,7 +45,7 @@ class QuantityPanel {
   void add_limits();
   void name_limits();
 
-  const LimitName& name_;
+  LimitUnit unit_;
   Panel panel_;
   std::vector<Line> lines_;
   std::vector<Series> curves_, bars_;

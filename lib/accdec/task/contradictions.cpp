@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/contradictions.hpp>
 #include <accdec/task/corner_speed.hpp>
@@ -20,15 +21,27 @@ std::vector<std::string> contradictions(const Task& task) {
                                     std::abs(corner.geometry().feed_out * corner.geometry().direction_out[a]));
       const double still = 1.2 * still_part * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
       const double friction = axis.damping * speed + (speed > still ? axis.coulomb : 0.0);
-      const auto tell = [&](const char* limit, const char* unit, double needed, double bound, double per_si = 1.0) {
+      const auto tell = [&](LimitKind kind, double needed, double bound) {
+        const auto [unit, per_si] = limit_unit(kind, axis.name);
         if (needed <= bound * (1.0 + granted_tolerance)) return;
         found.push_back(fmt::format("{} {}: corner {} needs {:.10g} {} at constant feed, the limit is {:.10g} {}",
-                                    limit, axis.name, corner.name, per_si * needed, unit, per_si * bound, unit));
+                                    limit_word(kind, axis.name), axis.name, corner.name, per_si * needed, unit,
+                                    per_si * bound, unit));
       };
-      tell("velocity", "mm/s", speed, axis.velocity_max, 1e3);
-      tell("force", "N", friction, axis.force_max);
-      tell("power", "W", friction * speed, axis.power_max);
-      tell("force-speed curve", "N at standstill", at_standstill(axis, speed, friction), axis.force_speed_max);
+      tell(LimitKind::velocity, speed, axis.velocity_max);
+      tell(LimitKind::force, friction, axis.force_max);
+      tell(LimitKind::power, friction * speed, axis.power_max);
+      if (at_standstill(axis, speed, friction) <= axis.force_speed_max * (1.0 + granted_tolerance)) continue;
+      if (speed > last_speed(axis) * (1.0 + granted_tolerance)) {
+        found.push_back(
+            fmt::format("force-speed curve {}: the curve ends at {:.10g} mm/s, corner {} runs at {:.10g} mm/s",
+                        axis.name, 1e3 * last_speed(axis), corner.name, 1e3 * speed));
+      } else {
+        found.push_back(fmt::format(
+            "force-speed curve {}: corner {} needs {:.10g} N at constant feed, the curve allows {:.10g} N at {:.10g} "
+            "mm/s",
+            axis.name, corner.name, friction, force_at(axis, speed), 1e3 * speed));
+      }
     }
     const double feed = std::min(corner.geometry().feed_in, corner.geometry().feed_out);
     if (corner.speed_min > feed * (1.0 + granted_tolerance)) {

@@ -7,6 +7,7 @@
 
 #include <accdec/formats/export/exported_design.hpp>
 #include <accdec/formats/manifest.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/task/settings_text.hpp>
 
@@ -33,8 +34,9 @@ Uses worst_uses(const std::vector<LimitUse>& limits) {
 
 ExportedLimit limit_of(const Uses& uses, LimitKind kind, const std::string& axis, const std::string& corner,
                        double bound) {
-  const LimitName& name = limit_name(kind);
-  ExportedLimit limit{std::string(name.name), axis, corner, name.per_si * bound, std::string(name.unit), {}, {}};
+  const LimitUnit unit = limit_unit(kind, axis);
+  ExportedLimit limit{
+      std::string(limit_word(kind, axis)), axis, corner, unit.per_si * bound, std::string(unit.name), {}, {}};
   if (const auto found = uses.find({kind, axis, corner}); found != uses.end()) limit.used = found->second;
   return limit;
 }

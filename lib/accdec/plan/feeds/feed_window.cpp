@@ -52,8 +52,7 @@ FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double samp
     const double force = std::min(axis.force_max, axis.force_speed_max);
     if (axis.mass > 0.0) window.change = std::min(window.change, force / axis.mass * tau1_);
     window.lines = force_lines(axis);
-    if (!window.lines.empty())
-      window.fastest = axis.force_speed.back().speed * axis.force_speed_max / axis.force_speed.front().force;
+    if (!window.lines.empty()) window.fastest = last_speed(axis);
     if (axis.jerk_max < unlimited) {
       window.jerk = axis.jerk_max * period * period / steepest;
       tau2_ = ramp;

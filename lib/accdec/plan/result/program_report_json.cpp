@@ -1,7 +1,9 @@
 #include <cmath>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>
@@ -32,8 +34,13 @@ Json limits_json(const ProgramResult& result) {
 Json loads_json(const ProgramResult& result) {
   Json list = Json::array();
   for (const AxisLoad& load : result.loads) {
-    Json item{{"axis", load.axis}, {"force_peak_N", number(load.peak)}, {"force_rms_N", number(load.rms)}};
-    if (load.rms_max < unlimited) item["force_rms_max_N"] = load.rms_max;
+    Json item{{"axis", load.axis}};
+    const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);
+    const auto put = [&, per_si = per_si, suffix = find_unit(unit)->suffix](const char* what, double value) {
+      item[fmt::format("{}_{}{}", limit_word(LimitKind::force, load.axis), what, suffix)] = number(per_si * value);
+    };
+    put("peak", load.peak), put("rms", load.rms);
+    if (load.rms_max < unlimited) put("rms_max", load.rms_max);
     list.push_back(std::move(item));
   }
   return list;

@@ -8,7 +8,7 @@
 
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/units.hpp>
-#include <accdec/formats/rotary_table.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/result/samples.hpp>
@@ -18,19 +18,6 @@
 
 namespace accdec {
 namespace {
-
-/// Unit of a limit's value for people. Rotary axes are in degrees where the others are in millimetres, and have torques
-/// where the others have forces.
-struct ShownUnit {
-  std::string name;
-  double per_si = 1.0;
-};
-ShownUnit unit_of(LimitKind kind, std::string_view axis) {
-  ShownUnit unit{std::string(limit_name(kind).unit), limit_name(kind).per_si};
-  if (is_rotary(axis) && unit.name.starts_with("mm")) unit.name.replace(0, 2, "deg");
-  if (is_rotary(axis) && unit.name == "N") unit = {"N m", 1.0 / radians_per_metre};
-  return unit;
-}
 
 /// Two blanks before every line but the first.
 std::string indented(std::string text) {
@@ -200,17 +187,17 @@ class SummaryText {
       put("\n  {:<14}{:<6}{:>12}{:>12} {:<8}{:>8}  {}\n", "limit", "axis", "value", "bound", "unit", "use", "where");
     }
     for (const LimitUse& use : uses) {
-      const auto [unit, per_si] = unit_of(use.kind, use.axis);
-      put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", to_string(use.kind), use.axis, per_si * use.value,
-          per_si * use.bound, unit, 100.0 * use.utilisation,
+      const auto [unit, per_si] = limit_unit(use.kind, use.axis);
+      put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {:<8}{:>6.1f} %  {}\n", limit_word(use.kind, use.axis), use.axis,
+          per_si * use.value, per_si * use.bound, unit, 100.0 * use.utilisation,
           use.kind == LimitKind::vibration ? place_of_vibration(use)
           : of_mode(use.kind)              ? fmt::format("line {}, {}", use.line, place_of_vibration(use, 4))
                                            : fmt::format("line {}", use.line));
     }
     for (const AxisLoad& load : result_.loads) {
-      const auto [unit, per_si] = unit_of(LimitKind::force, load.axis);
+      const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",
-          is_rotary(load.axis) ? "torque" : "force", load.axis, per_si * load.peak, per_si * load.rms, unit,
+          limit_word(LimitKind::force, load.axis), load.axis, per_si * load.peak, per_si * load.rms, unit,
           load.rms_max < unlimited ? fmt::format(", {:.1f} % of its rating", 100.0 * load.rms / load.rms_max) : "");
     }
   }

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/files/units.hpp>
+#include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
+
+// Internal: limits of an axis as people read them. Axes a, b and c turn: they are in degrees where others are in
+// millimetres, and have torques where others have forces. Results in JSON stay in SI.
+
+namespace accdec {
+
+/// Whether an axis of this name turns.
+constexpr bool is_rotary(std::string_view axis_name) {
+  return axis_name.size() == 1 && std::string_view("abcABC").find(axis_name) != std::string_view::npos;
+}
+
+struct LimitUnit {
+  std::string_view name;
+  double per_si = 1.0;  ///< value in the unit = per_si * value in SI
+};
+/// @param axis  its name, empty where a limit is of none
+constexpr LimitUnit limit_unit(LimitKind kind, std::string_view axis) {
+  const LimitName& linear = limit_name(kind);
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> rotary{
+      {{"mm/s", "deg/s"}, {"mm/s^2", "deg/s^2"}, {"mm/s^3", "deg/s^3"}, {"N", "N m"}}};
+  if (is_rotary(axis) && kind != LimitKind::force_speed) {  // a curve has no key in degrees
+    for (const auto& [from, to] : rotary) {
+      if (from == linear.unit) return {to, find_unit(to)->divisor};
+    }
+  }
+  return {linear.unit, linear.per_si};
+}
+
+/// The limit's name for people, as in results: "force_speed".
+constexpr std::string_view limit_word(LimitKind kind, std::string_view axis) {
+  if (is_rotary(axis) && kind == LimitKind::force) return "torque";
+  return to_string(kind);
+}
+/// The key of a limit of an axis in task files.
+inline std::string limit_key(const AxisLimit& limit, std::string_view axis) {
+  if (!is_rotary(axis) || limit.kind == LimitKind::force_speed) return std::string(limit.key);
+  return fmt::format("{}_max{}", limit_word(limit.kind, axis), find_unit(limit_unit(limit.kind, axis).name)->suffix);
+}
+
+}  // namespace accdec
