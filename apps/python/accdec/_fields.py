@@ -134,7 +134,7 @@ def tables(fields: Mapping[str, Any]) -> dict[str, Any]:
             task.setdefault("design", {}).update(_plain(value, name))
         else:
             task[key] = _plain(value, name)
-            if key == "corner":
+            if key == "corner" and isinstance(task[key], list):
                 task[key] = [_without_angle(corner) for corner in task[key]]
     return task
 
