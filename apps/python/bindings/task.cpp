@@ -163,8 +163,8 @@ axes : dict or list of dict, optional
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict
-    angle (or direction_in and direction_out), feed_in, feed_out, error_max, contour_max, speed_min, delay, weight, heading,
-    turn, name.
+    angle (or direction_in and direction_out), feed_in, feed_out, error_max, contour_max, speed_min, delay, weight,
+    heading, turn, name.
 modes : dict or list of dict, optional
     frequency (Hz, or a band [low, high]; or one with frequency_spread), damping_ratio (0 .. 0.9, or a range [low,
     high]) and residual_max (0 .. 1), or axis and residual_max_um.
