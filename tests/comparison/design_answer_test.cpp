@@ -132,6 +132,11 @@ TEST(NamedValues, AreReadAsSolversWriteThem) {
   EXPECT_EQ(read_names("Infeasible - objective value 0\n  0 X1 1 0\n", 1).claim, Claim::infeasible);
   EXPECT_TRUE(read_names("This problem is infeasible\n", 1).x.empty());
   EXPECT_EQ(read_names("Optimality not proven\nX1 1\n", 1).claim, Claim::acceptable);
+  // The last word before the values counts, and options are no claims.
+  EXPECT_EQ(read_names("presolve: no infeasible rows\noptimal solution found\nX1 1\n", 1).claim, Claim::solved);
+  EXPECT_EQ(read_names("LP relaxation: optimal\nTime limit reached, gap 40 %\nX1 1\n", 1).claim, Claim::time_limit);
+  EXPECT_EQ(read_names("Optimality tolerance 1e-6\nStopped: iteration limit\nX1 1\n", 1).claim, Claim::failed);
+  EXPECT_EQ(read_names("Near-optimal\nX1 1\n", 1).claim, Claim::acceptable);
   EXPECT_EQ(read_names("No optimal solution found\nX1 1\n", 1).claim, Claim::failed);
   EXPECT_EQ(read_names("solution status: unbounded\n", 1).claim, Claim::unbounded);
 }

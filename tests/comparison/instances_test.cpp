@@ -304,7 +304,9 @@ TEST_F(Instances, WholeChoiceHasEveryDelayOfTheExactMethod) {
   const struct {
     const char *name, *axes, *corner;
     int order;
-  } tasks[] = {{"stop", "acceleration_max_mm_s2 = 1000\n", "error_max_um = 20\n", 7},
+    const char* angle = "90";
+  } tasks[] = {{"straight", "acceleration_max_mm_s2 = 1000\n", "error_max_um = 0\n", 12, "180"},
+               {"stop", "acceleration_max_mm_s2 = 1000\n", "error_max_um = 20\n", 7},
                {"exact", "acceleration_max_mm_s2 = 1000\n", "error_max_um = 0\n", 12},
                {"limits", "acceleration_max_mm_s2 = 1000\n", "", 12},
                {"jerk", "acceleration_max_mm_s2 = 3000\njerk_max_mm_s3 = 400000\n", "", 8}};
@@ -312,10 +314,10 @@ TEST_F(Instances, WholeChoiceHasEveryDelayOfTheExactMethod) {
   for (const auto& t : tasks) {
     testing::write(
         home_ / (std::string(t.name) + ".toml"),
-        fmt::format("sample_period_ms = 2\n[[axis]]\n{}[[corner]]\nname = \"A\"\nangle_deg = 90\nheading_deg = "
+        fmt::format("sample_period_ms = 2\n[[axis]]\n{}[[corner]]\nname = \"A\"\nangle_deg = {}\nheading_deg = "
                     "-45\nfeed_in_mm_min = 1200\n{}[[corner]]\nname = \"slow\"\nangle_deg = "
                     "90\nfeed_in_mm_min = 60\nerror_max_um = 500\n",
-                    t.axes, t.corner));
+                    t.axes, t.angle, t.corner));
     suite += fmt::format("[[problem]]\nname = \"{0}\"\ntask = \"{0}.toml\"\nformulation = \"design\"\norder = {1}\n",
                          t.name, t.order);
   }

@@ -25,7 +25,7 @@ inline std::vector<Case> settings_cases() {
       {"delay_words_too_few",
        end("[design]\nfamily = \"averages\"\n[controller]\ndelays = [\"dwell\", \"exact-stop\"]\ndelay_words = \"G9\""),
        "23:15",
-       {"`delay_words` has 1 for 2 kinds"}},
+       {"`delay_words` has 1, and `delays` has 2"}},
       {"stages_of_a_gaussian",
        end("[design]\nfamily = \"gaussian\"\nstages = 2"),
        "21:10",

@@ -66,7 +66,7 @@ bool same_servo(const Axis& a, const Axis& b) {
 
 CheckedResponse::CheckedResponse(const Task& task) : left_(1), gone_(1) {
   const Machine& machine = task.machine;
-  smooths_ = !machine.prefilter_taps.empty();
+  smooths_ = machine.prefilter_taps.size() > 1;
   for (const Axis& axis : machine.axes) {
     follows_ = follows_ || !axis.response_taps.empty() || axis.servo_gain < unlimited;
     if (!same_servo(axis, machine.axes.front())) throw Rejected("the axes respond differently: no proof covers this");

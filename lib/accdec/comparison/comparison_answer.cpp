@@ -16,7 +16,7 @@ struct Score {
   std::string solver;
   std::size_t reached = 0, problems = 0;  ///< problems: feasible ones, from every start
   double ratio = NAN;                     ///< median of time to accuracy over the least one, where it was reached
-  std::size_t claims = 0, wrong = 0;      ///< of a solution
+  std::size_t claims = 0, wrong = 0;      ///< of a solution, or that there is none
   double share() const { return problems > 0 ? static_cast<double>(reached) / static_cast<double>(problems) : 0.0; }
 };
 
@@ -24,8 +24,8 @@ void count_claims(const ComparisonData& data, std::size_t s, Score& score) {
   for (std::size_t c = 0; c < data.cases.size(); ++c) {
     for (int start = 0; start < data.starts; ++start) {
       const Attempt& a = data.attempt(c, start, s);
-      if (comparison::claims_solution(a)) ++score.claims;
-      if (comparison::refuted_solution(data.cases[c], a)) ++score.wrong;
+      if (comparison::claims_solution(a) || a.claim == "infeasible" || a.claim == "unbounded") ++score.claims;
+      if (comparison::wrong_claim(data.cases[c], a)) ++score.wrong;
     }
   }
 }
@@ -106,9 +106,9 @@ std::string wrong_claims(const std::vector<Score>& scores) {
     wrong += s.wrong;
     if (s.wrong > 0 && (!most || s.wrong > most->wrong)) most = &s;
   }
-  if (!most) return fmt::format("None of the {} claims of a solution was wrong.", claims);
-  return fmt::format("{} of {} claims of a solution were wrong by recomputation, most of them by {} ({} of {}).", wrong,
-                     claims, most->solver, most->wrong, most->claims);
+  if (!most) return fmt::format("None of the {} claims was wrong.", claims);
+  return fmt::format("{} of {} claims were wrong by recomputation, most of them by {} ({} of {}).", wrong, claims,
+                     most->solver, most->wrong, most->claims);
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ std::string wrong_claims(const std::vector<Score>& scores) {
 ComparisonTable answer_table(const ComparisonData& data) {
   ComparisonTable table{"answer",
                         {"solver", "reached the reference / %", "of runs", "median time / fastest, where reached",
-                         "wrong claims", "claims of a solution"},
+                         "wrong claims", "claims"},
                         {}};
   for (const Score& s : scores_of(data)) {
     table.rows.push_back({s.solver, fmt::format("{:.1f}", 100.0 * s.share()), fmt::format("{}", s.problems),

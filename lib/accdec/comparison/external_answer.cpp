@@ -59,10 +59,16 @@ std::optional<Claim> claim_in(const std::string& line) {
                                                      {"integer empty", Claim::infeasible},
                                                      {"integer undefined", Claim::failed},
                                                      {"no optimal", Claim::failed},
+                                                     {"solution not found", Claim::failed},
+                                                     {"not be optimal", Claim::acceptable},
+                                                     {"near-optimal", Claim::acceptable},
+                                                     {"iteration limit", Claim::failed},
                                                      {"not optimal", Claim::acceptable},
                                                      {"optimality not", Claim::acceptable},
                                                      {"not proven", Claim::acceptable},
                                                      {"optimal", Claim::solved}};
+  // Names of options and of tests, no claims.
+  if (line.find("optimality") != std::string::npos && line.find(" not") == std::string::npos) return std::nullopt;
   for (const auto& [word, claim] : words) {
     if (line.find(word) != std::string::npos) return claim;
   }
@@ -161,9 +167,9 @@ ExternalAnswer read_names(const std::string& text, std::size_t columns) {
       answer.x.resize(columns, 0.0);
       if (!seen[column - 1]) answer.x[column - 1] = *value;  // multipliers may follow under the same names
       seen[column - 1] = true;
-    } else if (!claim) {
-      claim = claim_in(in_small(line));
-      if (claim) answer.message = printable(line.substr(0, 200));
+    } else if (answer.x.empty()) {
+      // The last word before the values: a log tells of relaxations and limits first.
+      if (const auto found = claim_in(in_small(line))) claim = found, answer.message = printable(line.substr(0, 200));
     }
   }
   if (!claim && answer.x.empty()) throw std::invalid_argument("its answer names no variable and says nothing known");

@@ -131,8 +131,10 @@ std::string program_state(const External& external) {
     const char* path = std::getenv("PATH");
     std::istringstream folders(path ? path : "");
     state.clear();
-    for (std::string folder; state.empty() && std::getline(folders, folder, ':');)
-      state = hash(fs::path(folder) / words.front());
+    for (std::string folder; state.empty() && std::getline(folders, folder, ':');) {
+      const fs::path found = fs::path(folder) / words.front();
+      if (::access(found.c_str(), X_OK) == 0) state = hash(found);
+    }
   }
   if (state.empty()) state = "missing";
   for (std::size_t i = 1; i < words.size(); ++i) state += " " + hash(words[i]);
@@ -221,11 +223,10 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
     take_answer(answer, text, problem, result);
-    const bool late = result.wall_time > options.time_limit;
-    if (late && result.claim != Claim::invalid_number && result.claim != Claim::failed)
+    if (result.wall_time > options.time_limit && result.claim != Claim::invalid_number)
       result.claim = Claim::time_limit;
   } catch (const std::exception& error) {
-    result.claim = Claim::failed;
+    result.claim = result.wall_time > options.time_limit ? Claim::time_limit : Claim::failed;
     result.message = fmt::format("{}{}{}", error.what(), result.message.empty() ? "" : "; ", result.message);
   }
   return result;

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include <accdec/formats/manifest.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/result.hpp>
+#include <accdec/task/contradictions.hpp>
 
 namespace accdec::comparison {
 namespace {
@@ -42,10 +44,11 @@ std::string stem_of(const CaseSpec& spec) {
 /// One name a line. Readers end a name at a space.
 std::string lines(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& name : names) {
-    text += name;
-    std::replace(text.end() - static_cast<std::ptrdiff_t>(name.size()), text.end(), ' ', '_');
-    text += '\n';
+  std::set<std::string> taken;
+  for (std::string name : names) {
+    std::replace(name.begin(), name.end(), ' ', '_');
+    while (!taken.insert(name).second) name += '_';  // "A b" and "A_b" are different corners
+    text += name + '\n';
   }
   return text;
 }
@@ -177,6 +180,9 @@ instances::Choice choice_of(const ComparisonCase& subject) {
 }
 
 instances::Instance instance_of(const ComparisonCase& subject) {
+  // Rows of a force-speed curve say nothing beyond its last speed.
+  if (const auto reasons = contradictions(subject.spec().task); !reasons.empty())
+    throw std::invalid_argument("no filter of any order holds the task: " + reasons.front());
   if (subject.spec().question == Question::design) {
     const instances::Choice choice = choice_of(subject);
     return instances::instance_of(choice.problem, choice.start);

@@ -32,8 +32,25 @@ DesignResult design_for_one_kind(const Task& task, bool stops, const DesignOptio
   const auto began = std::chrono::steady_clock::now();
   DesignResult result =
       with_delay(stops ? task.design.order_max : 0, stops ? 0.5 * options.time_limit : options.time_limit);
-  if (stops && result.has_design())
-    result = with_delay(result.filter->order(), std::max(1e-3, options.time_limit - seconds_since(began)));
+  if (stops && result.has_design()) {
+    const int order = result.filter->order();
+    const auto left = [&] { return std::max(1e-3, options.time_limit - seconds_since(began)); };
+    if (task.machine.prefilter_taps.size() > 1) {
+      // In front of a control's own smoothing no order is proved to be the shortest, so the stop fixes it. It may wait
+      // up to two samples more, for limits behind the smoothing.
+      given.design.order_min = given.design.order_max = order;
+      for (int more = 0; more <= 2 && (more == 0 || !result.has_design()); ++more)
+        result = with_delay(order + more, left());
+      result.lower_bound.reset(), result.certificate.reset();
+      if (result.has_design())
+        result.status = Status::feasible;
+      else
+        result.status = Status::failed, result.message = "no filter was found that holds all limits with exact stops";
+    } else {
+      result = with_delay(order, left());
+    }
+  }
+  result.task.design = task.design;
   result.task.settings = task.settings;
   return result;
 }

@@ -120,16 +120,17 @@ class ChoiceBuilder {
   }
 
   /// |S[k]|^2 <= 1 in units of the tolerance, with P = p(k) and Q = Q(m) at the chosen k and m = k - delay. Both are 0
-  /// where the tolerance is. @param longest  the largest delay
+  /// where the tolerance is, if the corner turns. @param longest  the largest delay
   void error(const TaskCorner& corner, const Affine& delay, int longest) {
-    const bool exact = *corner.error_max == 0.0;
+    const bool exact = *corner.error_max == 0.0, straight = corner.geometry().cos_interior() < -1.0 + 1e-12;
     const double unit = exact ? corner.geometry().feed_in * task_.sample_period : *corner.error_max;
     const double in = corner.geometry().feed_in * task_.sample_period / unit;
     const double out = corner.geometry().feed_out * task_.sample_period / unit;
     const double cosine = corner.geometry().cos_interior();
     // |S| <= 1 bounds both distances: |S|^2 >= (1 - c^2) P^2.
-    const double most =
-        exact ? 0.0 : (1.0 + 1e-9) / std::sqrt(std::max(1e-12, cosine < 0.0 ? 1.0 - cosine * cosine : 1.0));
+    const double most = exact && straight ? std::max(in, out) * order()
+                        : exact           ? 0.0
+                                : (1.0 + 1e-9) / std::sqrt(std::max(1e-12, cosine < 0.0 ? 1.0 - cosine * cosine : 1.0));
     Affine k, m;
     // A delay may be longer than the filter: then the legs do not overlap.
     const int last = std::max(order(), longest);
@@ -142,6 +143,12 @@ class ChoiceBuilder {
     const int q = tied(
         "Q " + corner.name, std::min(most, out * order()), [&](int i) { return out * b_.elapsed_moment(i); },
         [&](int i) { return out * i; }, since);
+    if (exact) {  // straight on, P and Q cancel each other
+      if (straight)
+        problem_.add_to_row(problem_.add_row("corner error, corner " + corner.name, {0.0, 0.0}),
+                            Affine{0.0, {{p, 1.0}, {q, -1.0}}});
+      return;
+    }
     const int row = problem_.add_row("corner error, corner " + corner.name, {-nlp::infinity, 1.0});
     problem_.add_product(row, 1.0, {0.0, {{p, 1.0}}}, {0.0, {{p, 1.0}}});
     problem_.add_product(row, 1.0, {0.0, {{q, 1.0}}}, {0.0, {{q, 1.0}}});

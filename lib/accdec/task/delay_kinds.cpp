@@ -124,7 +124,8 @@ class KindChoice {
       const auto ends = [&](int d) { return late_ || !checks_[j].longer_may_hold(d); };
       const auto d = first_delay(least_.of(j), given.value_or(last_), held, ends);
       if (!d) continue;
-      const bool stops = *d >= least_.apart() && names(kinds_, DelayKind::exact_stop);
+      const int longer = *d - least_.apart();
+      const bool stops = longer >= 0 && longer <= exact_stop_more && names(kinds_, DelayKind::exact_stop);
       return {*d, stops ? DelayKind::exact_stop : free};
     }
     if (names(kinds_, DelayKind::exact_stop)) {
