@@ -90,8 +90,8 @@ constexpr bool equal(A&& a, B&& b, Same same = {}, Projection of = {}) {
   while (i != end(a) && j != end(b) && invoke(same, invoke(of, *i), *j)) ++i, ++j;
   return i == end(a) && j == end(b);
 }
-template <class Range, class Value, class Projection>
-auto find(Range&& range, const Value& value, Projection of) {
+template <class Range, class Value, class Projection = std::identity>
+auto find(Range&& range, const Value& value, Projection of = {}) {
   return std::find_if(begin(range), end(range), [&](const auto& item) { return invoke(of, item) == value; });
 }
 template <class Range, class Less = std::less<>, class Projection>
