@@ -298,6 +298,20 @@ TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
   EXPECT_GE(refused, 2 * 4 + 1);  // behind a prefilter ipopt may answer
 }
 
+TEST_F(Instances, OfTasksThatNarrowTheirTapsNoMarginIsProved) {
+  testing::write(home_ / "task.toml", std::string(task_text) + "[design]\nfamily = \"averages\"\n");
+  const json entry = find(write_all("mps"), "small corner", "margin");
+  EXPECT_TRUE(entry["file"].is_null()) << entry;
+  EXPECT_EQ(entry["optimum"]["proof"], "bound");
+  EXPECT_TRUE(entry["optimum"]["upper"].is_null()) << entry;
+}
+
+// A task's own delay is one of its choices.
+TEST_F(Instances, MarginIsAskedAtTheDelayOfTheTask) {
+  testing::write(home_ / "task.toml", std::string(task_text) + "delay_samples = 5\n");
+  EXPECT_EQ(find(write_all("mps"), "small corner", "margin")["asks"], "taps of least corner error at delay 5");
+}
+
 // Shortest delays of N + 1 and N + 2 samples, and corners where only limits, or zeros among the taps, set the delay. No
 // such file has a cone that binds, so an outer approximation by tangents has the optimum itself.
 TEST_F(Instances, WholeChoiceHasEveryDelayOfTheExactMethod) {

@@ -150,6 +150,8 @@ class Writer {
         certificate = stem + ".proof.json";
         files_.emplace_back(stem + ".proof.json", result_to_json(result));
       }
+    } else if (const std::string objection = instances::given_choices(subject.spec().task); !objection.empty()) {
+      reference = {Reference::Proof::bound, 0.0, nlp::infinity, "none: " + objection};
     } else {
       reference = reference_of(subject, limit);
     }
