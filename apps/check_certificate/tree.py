@@ -9,7 +9,7 @@ from rows import Empty, Limits
 
 class Part:
     """Ranges of the order "N", of delay (j, "d") and sample (j, "k") of corner j, of the response (s, "B") at sample s.
-    What the target leaves for delays. In a window filters have any order."""
+    Samples that the target leaves for delays. In a window filters have any order."""
 
     def __init__(self, ranges, budget=None, window=False):
         self.ranges, self.budget, self.window, self.order = ranges, budget, window, ranges["N"][1]
@@ -73,7 +73,7 @@ class Tree:
         return self.whole(lemma["tree"], ranges | {"N": (order, order), (anchor, "k"): (at, at)}, True)
 
     def reduced(self, ranges, window=False):
-        """What the target leaves of a part."""
+        """Samples that the target leaves of a part."""
         (least, order), left, budget = ranges["N"], dict(ranges), None
         if self.limit is not None:
             room = self.limit - sum(c.weight * ranges[j, "d"][0] for j, c in enumerate(self.problem.corners))

@@ -88,12 +88,10 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   options.margin = 0.0;
   options.mode_frequencies = initial_frequencies(task, spec_.order);
   if (spec_.question == Question::margin) {
-    for (const TaskCorner& corner : task.corners) {
-      if (delays_given_) break;
-      spec_.delays.push_back(corner.delay.value_or(0));
+    if (!delays_given_) {
+      for (const TaskCorner& corner : task.corners) spec_.delays.push_back(corner.delay.value_or(0));
+      delays_given_ = std::ranges::any_of(task.corners, [](const auto& c) { return c.delay.has_value(); });
     }
-    delays_given_ =
-        delays_given_ || std::ranges::any_of(task.corners, [](const auto& c) { return c.delay.has_value(); });
     options.blend_delays = spec_.delays;
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       samples_.push_back(

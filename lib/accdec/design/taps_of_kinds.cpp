@@ -118,23 +118,21 @@ bool keep_cheaper(const DesignResult& best, double delays, double of_order, Task
 }
 
 /// The filter that is best if the control only runs on, or only stops.
-void offer_one_kind(const Task& any, bool stops, DesignOptions options, Cheapest& cheapest) {
+void offer_one_kind(const Task& any, bool stops, const DesignOptions& options, Cheapest& cheapest) {
   Task task = any;
   const LinearCost cost = cost_of(task);
   double stopping = 0.0;  // samples that each order costs at the corners
   for (std::size_t j = 0; stops && j < task.corners.size(); ++j)
     stopping += task.corners[j].delay ? 0.0 : cost.delay[j];
-  options.time_limit = std::min(options.time_limit, candidate_seconds);
   if (keep_cheaper(cheapest.best(), cost.given_delays(task), stopping, task))
     cheapest.offer_taps(design_for_one_kind(task, stops, options));
 }
 
 /// Filters made for the delays that the best has so far, and for shorter ones: of several corners with one width, few
 /// filters have such delays.
-void offer_for_delays(const Task& any, DesignOptions options, Cheapest& cheapest) {
+void offer_for_delays(const Task& any, const DesignOptions& options, Cheapest& cheapest) {
   const DesignResult first = cheapest.best();
   if (!first.has_design() || any.corners.size() < 2) return;
-  options.time_limit = std::min(options.time_limit, candidate_seconds);
   for (int shorter = 0; shorter < 3; ++shorter) {
     Task given = any;
     for (std::size_t j = 0; j < given.corners.size(); ++j)
@@ -179,7 +177,7 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   const bool met = cheapest.best().has_design() && taps.lower_bound &&
                    cheapest.best().objective() <= *taps.lower_bound * (1.0 + 1e-9);
   if (!met && !one_kind && !control.any_delay()) {
-    within.time_limit = 0.2 * left();
+    within.time_limit = std::min(0.2 * left(), candidate_seconds);
     if (runs_on) offer_one_kind(any, false, within, cheapest);
     if (stops) offer_one_kind(any, true, within, cheapest);
     if (control.names(DelayKind::in_position)) offer_for_delays(any, within, cheapest);

@@ -33,7 +33,7 @@ export class Controls {
       if (key.type === "tables") this.list(key);
       else if (key.type === "table") this.table(key);
     }
-    // What is gone leaves the focus to its group, or to the button that brings it back.
+    // A control that is gone leaves the focus to its group, or to the button that brings it back.
     const heirs = focused ? [focused.id, group, focused.dataset.heir].filter(Boolean) : [];
     heirs.map((id) => document.getElementById(id)).find((one) => one?.getClientRects().length)?.focus();
     markUnread();

@@ -15,7 +15,7 @@ export function printing(shared) {
     if (few) $("#tap-table .wide").replaceChildren(tapTable(shared.page.design.result));
     for (const part of document.querySelectorAll(`details:not([open])${few ? "" : ":not(#tap-table)"}`)) {
       part.open = true;
-      // A part with a name may be made anew meanwhile.
+      // The page may have replaced a part with a name meanwhile.
       undo.push(() => ((document.getElementById(part.id) ?? part).open = false));
     }
     for (const field of document.querySelectorAll("#controls input[type=text]")) {
