@@ -1,25 +1,80 @@
 """Rows that no shipped proof names. README.md of lib/accdec/certificate has the formulas."""
+from copy import copy
 from math import floor
 
-from enclosure import PI, Enclosure, NotCovered, exact, refuse_if, square_root, turned
+from enclosure import BITS, ONE, PI, Enclosure, NotCovered, exact, refuse_if, square_root, turned
 from more.widening import widens
 from rows import BEHIND_A_SERVO, IN_WINDOWS, KINDS, Limits, Row, turns
+from tube import tube
 
-BEHIND_SMOOTHING = {"error", "contour", "budget"}
+SERVO_FREE = {"force start", "force stop", "blend force", "force_speed start", "force_speed stop",
+              "blend force_speed"}  # rows of forces, which are known behind a smoothing, but not behind a servo
 
 
-@widens(Limits, "bound_taps")
-def bound_taps(narrow, self, axis, speed, stop):
-    """None behind a control's smoothing."""
-    if len(self.problem.smoothing.lo) == 1:
-        narrow(self, axis, speed, stop)
+@widens(Limits, "__init__")
+def limits_behind_smoothing(narrow, self, problem):
+    """Limits are then on the taps of the command. It has each designed tap times the largest of the smoothing."""
+    narrow(self, problem)
+    self.command_max = self.tap_max
+    if len(problem.smoothing.lo) > 1:
+        self.tap_max, self.before = min(ONE, -(-self.command_max * ONE // max(problem.smoothing.lo))), []
+
+
+@widens(Limits, "tube")
+def tube_behind_smoothing(narrow, self, box):
+    """Differences of the designed taps are not bounded."""
+    if len(self.problem.smoothing.lo) > 1 and box.tube is False:
+        box.tube = tube([], self.tap_max, ONE, box.order, box.cuts)
+    return narrow(self, box)
 
 
 @widens(Limits, "known")
 def known(narrow, self, entry):
-    smoothed = len(self.problem.smoothing.lo) > 1 and entry[0] not in BEHIND_SMOOTHING
-    refuse_if(smoothed, f"a row `{entry[0]}` behind a response", NotCovered)
+    if self.longer and len(self.problem.servo.lo) == 1 and entry[0] in SERVO_FREE:
+        refuse_if(len(entry) != len(KINDS[entry[0]][1]) + 2, f"a row `{entry[0]}` has {len(entry)} entries")
+        return
     narrow(self, entry)
+
+
+@widens(Row, "tap")
+def command_tap(narrow, self, i, c):
+    """Of the command behind the smoothing: sum_j g_j b_{i-j}"""
+    for j, tap in enumerate(self.problem.smoothing):
+        narrow(self, i - j, c * tap if j or tap.lo != ONE else c)
+
+
+@widens(Row, "move")
+def command_speed(narrow, self, k, into, out, d):
+    for j, tap in enumerate(self.problem.smoothing):
+        narrow(self, k - j, into * tap, out * tap, d)
+
+
+@widens(Row, "inside")
+def inside_behind_smoothing(narrow, self, *taps):
+    narrow(self, *taps, *(i - len(self.problem.smoothing.lo) + 1 for i in taps))
+
+
+@widens(Row, "vibration")
+def vibration_behind_smoothing(narrow, self, *at, **named):
+    """Of the command, whose taps are as many more as the smoothing has."""
+    taps = self.problem.smoothing
+    if len(taps.lo) == 1:
+        return narrow(self, *at, **named)
+    refuse_if(self.box.window, "a row `vibration` behind a smoothing says nothing of filters of any order")
+    longer = copy(self.box)
+    longer.order += len(taps.lo) - 1
+    command = Row(self.limits, longer)
+    narrow(command, *at, **named)
+    self.taps = [sum(c * (g.lo if c >= 0 else g.hi) for c, g in zip(command.taps[i:], taps)) >> BITS
+                 for i in self.indices]
+    self.bound += command.bound
+
+
+def acceleration(row, k, sign):
+    """A tap of the command, which has no bound of its own behind a smoothing."""
+    row.inside(k)
+    row.tap(k, exact(sign) / Enclosure(row.limits.command_max))
+    row.limit(1)
 
 
 @widens(Limits, "named")
@@ -132,10 +187,10 @@ def vibration(row, m, *at):
 
 
 KINDS |= {
-    "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"), "contour": (contour, "jb"),
+    "acceleration": (acceleration, "ks"), "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"), "contour": (contour, "jb"),
     "speed": (speed, "jkxx"), "blend force_speed": (force_speed, "jaksks", "blend"),
     "force_speed start": (force_speed, "akk", "start"), "force_speed stop": (force_speed, "akk", "stop"),
     "vibration": (vibration, "mxx"), "damped vibration": (vibration, "mxxx"), "blend vibration": (vibration, "mjxxx"),
 }
-BEHIND_A_SERVO |= {"contour", "budget", "blend vibration"}
-IN_WINDOWS |= {"force_speed start", "force_speed stop", "blend force_speed"}
+BEHIND_A_SERVO |= {"acceleration", "contour", "budget", "blend vibration"}
+IN_WINDOWS |= {"acceleration", "force_speed start", "force_speed stop", "blend force_speed"}

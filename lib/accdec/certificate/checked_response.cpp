@@ -75,6 +75,7 @@ CheckedResponse::CheckedResponse(const Task& task) : left_(1), gone_(1) {
   const Taps first = smooths_ ? of_numbers(machine.prefilter_taps) : Taps{Interval(1.0)},
              second = follows_ ? of_axis(machine.axes.front(), task.sample_period) : Taps{Interval(1.0)};
   smoothing_ = middles(first), servo_ = middles(second);
+  command_ = first;
   Taps taps(first.size() + second.size() - 1);
   for (std::size_t i = 0; i < first.size(); ++i) {
     for (std::size_t j = 0; j < second.size(); ++j) taps[i + j] = taps[i + j] + first[i] * second[j];
@@ -98,8 +99,8 @@ void CheckedResponse::require_ideal() const {
   if (!ideal()) throw Rejected("a multiplier names a limit that is not known behind a response");
 }
 
-void CheckedResponse::require_no_smoothing() const {
-  if (smooths_) throw Rejected("a multiplier names a limit that is not known behind the control's smoothing");
+void CheckedResponse::require_no_servo() const {
+  if (follows_) throw Rejected("a multiplier names a limit that is not known behind a servo");
 }
 
 Interval CheckedResponse::left(int x) const {

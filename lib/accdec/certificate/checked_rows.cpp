@@ -99,11 +99,13 @@ void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum)
 }
 
 void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) const {
-  const auto inside = [&](int tap) { return tap >= 1 && tap < box.order; };
+  // A tap of the command is made of designed taps up to it, as many before it as the smoothing has.
+  const int smoothing = static_cast<int>(response_.command().size()) - 1;
+  const auto inside = [&](int tap) { return tap - smoothing >= 1 && tap < box.order; };
   // The rest of a damped vibration depends on how far the filter's end is.
   const auto* vibration = std::get_if<proof::Vibration>(&row);
   bool all = std::holds_alternative<proof::Error>(row) ||
-             (vibration != nullptr && vibration->damping == 0.0 && vibration->corner < 0);
+             (vibration != nullptr && vibration->damping == 0.0 && vibration->corner < 0 && !response_.smooths());
   if (const auto* difference = std::get_if<proof::TapDifference>(&row))
     all = inside(difference->sample) && inside(difference->sample - checked_differences(difference->limit).value_or(0));
   if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
@@ -116,30 +118,39 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
   if (!all) throw Rejected("a multiplier names a limit beyond its window");
 }
 
+void CheckedRows::add_tap(CheckedSum& sum, int i, const Interval& c) const {
+  if (!response_.smooths()) return sum.tap(i, c);
+  for (const Interval& tap : response_.command()) sum.tap(i--, c * tap);
+}
+
+void CheckedRows::add_response(CheckedSum& sum, int k, const Interval& c) const {
+  if (!response_.smooths()) return sum.response(k, c);
+  for (const Interval& tap : response_.command()) sum.response(k--, c * tap);
+}
+
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
-  response_.require_no_smoothing();
-  const int n = checked_differences(row.limit).value_or(0);
-  if (n == 0) throw Rejected("a multiplier names a difference that no limit bounds");
-  const double max = bounds_.ramp_max(row.limit);
+  const std::optional<int> n = checked_differences(row.limit);
+  if (!n) throw Rejected("a multiplier names a difference that no limit bounds");
+  const double max = *n == 0 ? bounds_.command_max() : bounds_.ramp_max(row.limit);
   require_limit(max);
-  if (row.sample < 0 || row.sample > sum.order() + n) return;
+  if (row.sample < 0 || row.sample > sum.order() + static_cast<int>(response_.command().size()) - 1 + *n) return;
   const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(max);
-  add_difference(n, row.sample, c, Interval(1.0), [&](int i, const Interval& f) { sum.tap(i, f); });
+  add_difference(*n, row.sample, c, Interval(1.0), [&](int i, const Interval& f) { add_tap(sum, i, f); });
   sum.rhs = sum.rhs + weight;
 }
 
 void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
-  response_.require_ideal();
+  response_.require_no_servo();
   const int k = row.sample;
-  if (k < 1 || k > static_cast<int>(sum.taps.size())) return;
+  if (k < 1 || k > static_cast<int>(sum.taps.size() + response_.command().size()) - 1) return;
   const Axis& x = axis(row.axis);
   const CheckedForce force = row.line < 0 ? largest_force(x) : checked_line(x, row.line);
   const double speed = bounds_.event_speed(static_cast<std::size_t>(row.axis), row.stop);
   // At a start drag and the line's fall both add to the force; at a stop drag brakes.
   const Interval drag = row.stop ? Interval(x.damping) - force.slope : Interval(x.damping) + force.slope;
   const Interval scale = weight * speed / force.bound;
-  sum.tap(k - 1, scale * Interval(x.mass) / period());
-  sum.response(k, scale * drag);
+  add_tap(sum, k - 1, scale * Interval(x.mass) / period());
+  add_response(sum, k, scale * drag);
   sum.rhs = sum.rhs + weight;
   if (row.stop) sum.rhs = sum.rhs + scale * drag;
   sum.rhs = sum.rhs + weight * checked_friction(x, row.stop) / force.bound;
@@ -212,7 +223,6 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
   if (row.mode < 0 || row.mode >= static_cast<int>(task_.machine.modes.size()))
     throw Rejected("a multiplier names a mode that is not there");
   const Mode& mode = task_.machine.modes[static_cast<std::size_t>(row.mode)];
-  response_.require_no_smoothing();
   if (!(row.frequency >= mode.frequency_low && row.frequency <= mode.frequency_high))
     throw Rejected("a multiplier's frequency is outside its band");
   if (!(row.damping >= mode.damping_low && row.damping <= mode.damping_high && row.damping < 1.0))
@@ -224,11 +234,12 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
   // fallen less there, so what they leave is bounded, too.
   const Interval fall = damped ? interval_exp(-1.0 * natural * z) : Interval(1.0);
   Interval fallen = weight;
-  for (std::size_t i = sum.taps.size(); i-- > 0;) {
+  const std::size_t commands = sum.taps.size() + response_.command().size() - 1;
+  for (std::size_t i = commands; i-- > 0;) {
     // The taps that an end of the window stands for may have any phase.
-    const bool end = box.window && (i == 0 || i + 1 == sum.taps.size());
+    const bool end = box.window && (i == 0 || i + 1 == commands);
     const Interval phase = end ? Interval(-1.0) : interval_cos(w * static_cast<double>(i) - Interval(row.angle));
-    sum.taps[i] = sum.taps[i] + fallen * phase;
+    add_tap(sum, static_cast<int>(i), fallen * phase);
     if (damped) fallen = fallen * fall;
   }
   sum.rhs = sum.rhs + weight * bound_of_mode(row, mode, box);
@@ -267,15 +278,14 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const TaskCorner& c = corner(row.corner);
   const Axis& x = axis(row.axis);
   if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
-  response_.require_no_smoothing();
-  if (row.limit == LimitKind::force || row.limit == LimitKind::force_speed) response_.require_ideal();
+  if (row.limit == LimitKind::force || row.limit == LimitKind::force_speed) response_.require_no_servo();
   const int d = single_delay(row.corner, box);
   const auto a = static_cast<std::size_t>(row.axis);
   const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
   const Interval y = weight * (row.sign < 0 ? -1.0 : 1.0);
   const auto acceleration = [&](int at, const Interval& f) {
-    sum.tap(at - 1, -1.0 * f * in / period());
-    sum.tap(at - 1 - d, f * out / period());
+    add_tap(sum, at - 1, -1.0 * f * in / period());
+    add_tap(sum, at - 1 - d, f * out / period());
   };
   if (const std::optional<int> times = checked_differences(row.limit)) {
     const double bound = x.*axis_limit(row.limit).bound;
@@ -292,8 +302,8 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
     const double forward = in.lo + out.lo > 0.0 ? 1.0 : -1.0;
     const double help = (in * out).lo < 0.0 ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
     sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / force.bound;
-    sum.response(k, -1.0 * drag * in);
-    sum.response(k - d, drag * out);
+    add_response(sum, k, -1.0 * drag * in);
+    add_response(sum, k - d, drag * out);
   } else {
     throw Rejected("a multiplier names a limit that blends have no rows of");
   }

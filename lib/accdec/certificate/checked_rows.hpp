@@ -105,6 +105,9 @@ class CheckedRows {
   int single_delay(int corner, const CheckedBox& box) const;
   /// @throws Rejected if a row concerns taps at or beyond the ends of a window
   void require_inside(const proof::Row& row, const CheckedBox& box) const;
+  /// Adds c times tap i, or cumulative response k, of the command behind the control's smoothing.
+  void add_tap(CheckedSum& sum, int i, const Interval& c) const;
+  void add_response(CheckedSum& sum, int k, const Interval& c) const;
   /// False: nothing is left.
   bool need_tube(CheckedBox& box) const;
 

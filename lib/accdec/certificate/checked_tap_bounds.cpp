@@ -34,7 +34,7 @@ Interval checked_speed(const TaskCorner& c, std::size_t axis, bool in) {
             : Interval(c.geometry().feed_out) * c.geometry().direction_out[a];
 }
 
-CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& response) {
+CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& response) : smooths_(response.smooths()) {
   const Interval t(task.sample_period);
   for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
     const Axis& axis = task.machine.axes[a];
@@ -49,9 +49,13 @@ CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& resp
     if (response.ideal()) add_plants(axis, start, stop, t);
     start_.push_back(start);
     stop_.push_back(stop);
-    // Behind the control's smoothing, no limit is on the taps themselves.
-    if (std::max(start, stop) > 0.0 && !response.smooths()) add_limits(axis, start, stop, t, response.ideal());
+    if (std::max(start, stop) > 0.0) add_limits(axis, start, stop, t, response.ideal());
   }
+  command_max_ = tap_max_;
+  // The command has every designed tap times the largest of the smoothing.
+  double largest = 0.0;
+  for (const Interval& tap : response.command()) largest = std::max(largest, tap.lo);
+  if (smooths_) tap_max_ = std::min(1.0, (Interval(command_max_) / Interval(largest)).hi);
 }
 
 void CheckedTapBounds::add_plants(const Axis& axis, double start, double stop, const Interval& period) {

@@ -23,21 +23,25 @@ Interval checked_speed(const TaskCorner& corner, std::size_t axis, bool in);
 class CheckedTapBounds {
  public:
   CheckedTapBounds(const Task& task, const CheckedResponse& response);
-  double tap_max() const { return tap_max_; }
-  /// Largest difference of taps that a limit on differences of the acceleration leaves; unlimited where there is none.
+  double tap_max() const { return tap_max_; }  ///< of the designed taps
+  /// Largest tap of the command behind the control's smoothing that the accelerations leave.
+  double command_max() const { return command_max_; }
+  /// Largest difference of the command's taps that a limit on differences of the acceleration leaves; unlimited where
+  /// there is none.
   double ramp_max(LimitKind kind) const;
   /// Lower end of the largest speed at which the axis starts, or stops, m/s.
   double event_speed(std::size_t axis, bool stop) const { return (stop ? stop_ : start_)[axis]; }
   /// Bounds on the responses within the cuts; none if no filter is left.
   std::optional<CheckedTube> tube(int order, const std::vector<CheckedCut>& cuts) const {
-    return checked_tube(plants_, tap_max_, ramp_max(LimitKind::jerk), order, cuts);
+    return checked_tube(plants_, tap_max_, smooths_ ? unlimited : ramp_max(LimitKind::jerk), order, cuts);
   }
 
  private:
   void add_plants(const Axis& axis, double start, double stop, const Interval& period);
   void add_limits(const Axis& axis, double start, double stop, const Interval& period, bool ideal);
 
-  double tap_max_ = 1.0;
+  bool smooths_;
+  double tap_max_ = 1.0, command_max_ = 1.0;
   std::map<LimitKind, double> ramp_max_;
   std::vector<double> start_, stop_;
   std::vector<CheckedPlant> plants_;

@@ -340,9 +340,10 @@ bool exact_covers(const Task& task) {
   if (limits_supply(task.machine) || std::ranges::any_of(task.machine.axes, chord_with_friction)) return false;
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return true;
-  return response.common() && response.prefilter_order() == 0 && is_convex(task) &&
-         std::ranges::all_of(task.machine.axes,
-                             [](const Axis& a) { return a.force_max == unlimited && a.force_speed_max == unlimited; });
+  return response.common() && is_convex(task) &&
+         (response.servo_order() == 0 || std::ranges::all_of(task.machine.axes, [](const Axis& a) {
+            return a.force_max == unlimited && a.force_speed_max == unlimited;
+          }));
 }
 
 void judge_gap(DesignResult& result) {

@@ -16,6 +16,11 @@
 namespace accdec {
 namespace {
 
+void drop_proof(DesignResult& result) {
+  result.lower_bound.reset(), result.certificate.reset(), result.gap.reset();
+  result.status = Status::feasible;
+}
+
 /// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop
 /// lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits with any delay
 /// behind which the legs are apart, and the proof with its own one says so.
@@ -33,21 +38,22 @@ DesignResult design_for_one_kind(const Task& task, bool stops, const DesignOptio
   DesignResult result =
       with_delay(stops ? task.design.order_max : 0, stops ? 0.5 * options.time_limit : options.time_limit);
   if (stops && result.has_design()) {
-    const int order = result.filter->order();
+    const int order = result.filter->order(), most = task.machine.prefilter_taps.size() > 1 ? 2 : 0;
+    bool proved = result.status == Status::optimal;
     const auto left = [&] { return std::max(1e-3, options.time_limit - seconds_since(began)); };
-    if (task.machine.prefilter_taps.size() > 1) {
-      // In front of a control's own smoothing no order is proved to be the shortest, so the stop fixes it. It may wait
-      // up to two samples more, for limits behind the smoothing.
-      given.design.order_min = given.design.order_max = order;
-      for (int more = 0; more <= 2 && (more == 0 || !result.has_design()); ++more)
-        result = with_delay(order + more, left());
-      result.lower_bound.reset(), result.certificate.reset();
-      if (result.has_design())
-        result.status = Status::feasible;
-      else
-        result.status = Status::failed, result.message = "no filter was found that holds all limits with exact stops";
-    } else {
-      result = with_delay(order, left());
+    // Behind a control's own smoothing the stop may wait up to two samples more, for limits where the legs still meet.
+    // A filter that is one tap longer costs as much as the first of them or more.
+    for (int more = 0;; ++more) {
+      result = with_delay(order + more, left());
+      const bool stopped = result.has_design() && result.filter->order() <= order + more;
+      if (stopped && most > 0 && !(proved && more <= 1)) drop_proof(result);
+      if (stopped) break;
+      proved = proved && (result.status == Status::optimal || result.status == Status::infeasible);
+      if (more < most) continue;
+      result = {};
+      result.task = given, result.status = Status::failed;
+      result.message = "no filter was found that holds all limits with exact stops";
+      break;
     }
   }
   result.task.design = task.design;

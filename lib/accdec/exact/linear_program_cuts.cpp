@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <accdec/exact/linear_program.hpp>
@@ -15,13 +16,13 @@ namespace {
 /// rad inside of which cuts grow with both distances in spite of rounding
 constexpr double inside = 1e-12;
 
-/// A row of a mode that a filter breaks, seen at the phase at which it is left with most.
-proof::Vibration at_worst_phase(proof::Vibration id, const LimitModel& model, const Filter& filter, const Box& box) {
+/// A row of a mode that a command breaks, seen at the phase at which it is left with most.
+proof::Vibration at_worst_phase(proof::Vibration id, const LimitModel& model, const Filter& command) {
   const double natural = 2.0 * std::numbers::pi * id.frequency * model.task().sample_period;
   const double turn = natural * std::sqrt((1.0 - id.damping) * (1.0 + id.damping));
   double c = 0.0, s = 0.0;
-  for (int i = 0; i <= box.order; ++i) {
-    const double left = filter.tap(i) * std::exp(-id.damping * natural * (box.order - i));
+  for (int i = 0; i <= command.order(); ++i) {
+    const double left = command.tap(i) * std::exp(-id.damping * natural * (command.order() - i));
     c += left * std::cos(turn * i);
     s += left * std::sin(turn * i);
   }
@@ -30,12 +31,12 @@ proof::Vibration at_worst_phase(proof::Vibration id, const LimitModel& model, co
 }
 
 /// Adds the residuals of a mode of an axis that are too large, after starts, stops and blends of single delays.
-void add_residuals(const LimitModel& model, std::size_t m, const Filter& filter, const Box& box, double slack,
+void add_residuals(const LimitModel& model, std::size_t m, const Filter& command, const Box& box, double slack,
                    std::vector<proof::Vibration>& broken) {
   const Mode& mode = model.task().machine.modes[m];
   double fastest = 0.0;
   const auto look = [&](int corner, double v1, double v2, int delay) {
-    const LimitUse use = residual_utilisation(filter, v1, v2, delay, model.task().sample_period, mode);
+    const LimitUse use = residual_utilisation(command, v1, v2, delay, model.task().sample_period, mode);
     if (use.utilisation > 1.0 + slack) broken.push_back({static_cast<int>(m), use.frequency, 0.0, use.damping, corner});
   };
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
@@ -51,19 +52,21 @@ void add_residuals(const LimitModel& model, std::size_t m, const Filter& filter,
 std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter& filter, const Box& box,
                                            double slack) {
   const Machine& machine = model.task().machine;
-  const auto uses = vibration_utilisation(filter, model.task().sample_period, machine);
+  std::optional<Filter> made;
+  const Filter& command = model.rows.smoothing().command(filter, made);
+  const auto uses = vibration_utilisation(command, model.task().sample_period, machine);
   std::vector<proof::Vibration> broken;
   std::size_t of_filter = 0;
   for (std::size_t m = 0; m < machine.modes.size(); ++m) {
     if (machine.modes[m].of_axis()) {
-      add_residuals(model, m, filter, box, slack, broken);
+      add_residuals(model, m, command, box, slack, broken);
       continue;
     }
     const LimitUse& use = uses[of_filter++];
     if (use.value > use.bound * (1.0 + slack) + 1e-13)
       broken.push_back({static_cast<int>(m), use.frequency, 0.0, use.damping});
   }
-  for (proof::Vibration& id : broken) id = at_worst_phase(id, model, filter, box);
+  for (proof::Vibration& id : broken) id = at_worst_phase(id, model, command);
   return broken;
 }
 
@@ -72,7 +75,7 @@ std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter
 bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
   for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken()))
-    added |= (!kind_.window || inside_window(id, box)) && add_limit(id, box);
+    added |= (!kind_.window || inside_window(id, box, model_.rows.smoothing())) && add_limit(id, box);
   if (!kind_.window) {
     for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
   }
@@ -130,7 +133,9 @@ bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   bool added = false;
   for (proof::Vibration id : broken_modes(model_, filter, box, broken())) {
     const double bound = model_.rows.vibration_bound(id, box);
-    if (bound == infinity || (kind_.window && !inside_window(id, box)) || !add_vibration(id, box)) continue;
+    if (bound == infinity || (kind_.window && !inside_window(id, box, model_.rows.smoothing())) ||
+        !add_vibration(id, box))
+      continue;
     added = true;
     // A zero response needs both components held.
     if (bound >= 1e-6) continue;

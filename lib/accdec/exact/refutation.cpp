@@ -16,8 +16,7 @@ class WeightedSum {
       : model_(model),
         box_(box),
         exact_box_(order == box.order ? box : other_order_.emplace(box)),
-        taps_(static_cast<std::size_t>(order) + 1, 0.0),
-        sums_(taps_.size() + 1, 0.0) {
+        sum_(model.rows.smoothing(), order) {
     if (other_order_) other_order_->order = order;
     if (!box.budget) return;
     delays_.assign(box.corners.size(), 0.0);
@@ -31,15 +30,11 @@ class WeightedSum {
 
   /// The minimum over all filters, delays and samples, less the largest rounding.
   double least(bool symmetric) {
-    double suffix = 0.0;
-    for (std::size_t i = taps_.size(); i-- > 0;) {
-      suffix += sums_[i + 1];
-      taps_[i] += suffix;
-    }
-    const std::size_t size = taps_.size();
+    std::vector<double>& taps = sum_.all();
+    const std::size_t size = taps.size();
     for (std::size_t i = 0; symmetric && i < size / 2; ++i)
-      taps_[i] = taps_[size - 1 - i] = 0.5 * (taps_[i] + taps_[size - 1 - i]);
-    double least = cheapest_filter();
+      taps[i] = taps[size - 1 - i] = 0.5 * (taps[i] + taps[size - 1 - i]);
+    double least = cheapest_filter(taps);
     if (least == infinity) return infinity;
     for (std::size_t j = 0; j < delays_.size(); ++j) {
       const CornerBox& b = box_.corners[j];
@@ -50,14 +45,14 @@ class WeightedSum {
 
  private:
   /// Least sum c_i b_i: fill the cheapest taps.
-  double cheapest_filter() {
+  double cheapest_filter(std::vector<double>& c) const {
     const double u = model_.rows.tap_max();
-    if (static_cast<double>(taps_.size()) * u < 1.0 - 1e-12) return infinity;
-    const auto full = std::min(taps_.size() - 1, static_cast<std::size_t>(1.0 / u));
-    std::nth_element(taps_.begin(), taps_.begin() + static_cast<std::ptrdiff_t>(full), taps_.end());
+    if (static_cast<double>(c.size()) * u < 1.0 - 1e-12) return infinity;
+    const auto full = std::min(c.size() - 1, static_cast<std::size_t>(1.0 / u));
+    std::nth_element(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(full), c.end());
     double least = 0.0;
-    for (std::size_t i = 0; i < full; ++i) least += u * taps_[i];
-    return least + (1.0 - u * static_cast<double>(full)) * taps_[full];
+    for (std::size_t i = 0; i < full; ++i) least += u * c[i];
+    return least + (1.0 - u * static_cast<double>(full)) * c[full];
   }
 
   bool counts(double y, double rhs) {
@@ -77,12 +72,12 @@ class WeightedSum {
   void add_distances(std::size_t j, double wp, double wq) {
     if (!box_.distances.empty() || box_.servo != nullptr) {
       for (int i = 0; i <= exact_box_.order; ++i)
-        taps_[static_cast<std::size_t>(i)] += wp * box_.weight_in(j, i) + wq * box_.weight_out(j, i);
+        sum_.designed()[static_cast<std::size_t>(i)] += wp * box_.weight_in(j, i) + wq * box_.weight_out(j, i);
       return;
     }
     const int in = box_.corners[j].k2, out = box_.first_out(j), order = exact_box_.order;
-    for (int i = std::max(0, in + 1); i <= order; ++i) taps_[static_cast<std::size_t>(i)] += wp * (i - in);
-    for (int i = 0; i < std::min(out, order + 1); ++i) taps_[static_cast<std::size_t>(i)] += wq * (out - i);
+    for (int i = std::max(0, in + 1); i <= order; ++i) sum_.designed()[static_cast<std::size_t>(i)] += wp * (i - in);
+    for (int i = 0; i < std::min(out, order + 1); ++i) sum_.designed()[static_cast<std::size_t>(i)] += wq * (out - i);
   }
 
   bool add(const proof::RangeError& id, double y) {
@@ -90,7 +85,7 @@ class WeightedSum {
     const double wp = y * model_.weight_in(j, id.angle), wq = y * model_.weight_out(j, id.angle);
     if (!box_.budget || wp < 0.0 || wq < 0.0) return false;
     const RangeRow row = range_row(exact_box_, j, id.in, id.out, wp, wq);
-    for (std::size_t i = 0; i < taps_.size(); ++i) taps_[i] += row.taps[i];
+    for (std::size_t i = 0; i < row.taps.size(); ++i) sum_.designed()[i] += row.taps[i];
     delays_[j] += row.on_delay;
     samples_[j] += row.on_sample;
     return counts(y, y * model_.error_bound(j) - row.constant);
@@ -100,7 +95,7 @@ class WeightedSum {
     const auto j = static_cast<std::size_t>(id.corner);
     if (!box_.contour_rows() || !model_.contour(j)) return false;
     for (int i = 0; i <= exact_box_.order; ++i)
-      taps_[static_cast<std::size_t>(i)] +=
+      sum_.designed()[static_cast<std::size_t>(i)] +=
           y * (id.out ? model_.scale_out(j) * box_.contour_out(j, i) : model_.scale_in(j) * box_.contour_in(j, i));
     return counts(y, y * model_.contour_bound(j));
   }
@@ -114,7 +109,7 @@ class WeightedSum {
   bool add(const proof::Vibration& id, double y) {
     const double bound = model_.rows.vibration_bound(id, exact_box_);
     if (bound == infinity) return false;
-    model_.rows.add_vibration(id, y, taps_);
+    model_.rows.add_vibration(id, y, sum_.command());
     return counts(y, y * bound);
   }
 
@@ -147,8 +142,8 @@ class WeightedSum {
 
   bool add(const SparseRow& row, double y) {
     if (row.no_terms() && row.constant <= 1.0) return true;
-    for (const auto& [i, x] : row.taps) taps_[static_cast<std::size_t>(i)] += y * x;
-    for (const auto& [k, x] : row.sums) sums_[static_cast<std::size_t>(k)] += y * x;
+    for (const auto& [i, x] : row.taps) sum_.command()[static_cast<std::size_t>(i)] += y * x;
+    for (const auto& [k, x] : row.sums) sum_.add_response(k, y * x);
     return counts(y, y * (1.0 - row.constant));
   }
 
@@ -156,7 +151,8 @@ class WeightedSum {
   const Box& box_;
   std::optional<Box> other_order_;
   const Box& exact_box_;  // of the order asked for
-  std::vector<double> taps_, sums_, delays_, samples_;
+  WeightedTaps sum_;
+  std::vector<double> delays_, samples_;
   double rhs_ = 0.0, magnitude_ = 0.0;
 };
 

@@ -29,17 +29,31 @@ const DraftRow& RowDrafts::response(int sample) {
   return draft_;
 }
 
+void RowDrafts::clear_command() {
+  on_command_.assign(static_cast<std::size_t>(largest_ + model_.rows.smoothing().order()) + 1, 0.0);
+}
+
+void RowDrafts::add_taps() {
+  const Smoothing& smoothing = model_.rows.smoothing();
+  if (!smoothing.none()) {
+    on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
+    smoothing.add_designed(on_command_, on_tap_);
+  }
+  const std::vector<double>& taps = smoothing.none() ? on_command_ : on_tap_;
+  for (int i = 0; i <= largest_; ++i) {
+    if (const double c = taps[static_cast<std::size_t>(i)]; c != 0.0) draft_.add(i, c);
+  }
+}
+
 const DraftRow& RowDrafts::limit(const SparseRow& row, double scale, bool both, bool soft) {
-  on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
-  for (const auto& [i, c] : row.taps) on_tap_[static_cast<std::size_t>(i)] += c * scale;
+  clear_command();
+  for (const auto& [i, c] : row.taps) on_command_[static_cast<std::size_t>(i)] += c * scale;
   for (const auto& [k, c] : row.sums) {
-    for (int i = 0; i < k; ++i) on_tap_[static_cast<std::size_t>(i)] += c * scale;
+    for (int i = 0; i < k; ++i) on_command_[static_cast<std::size_t>(i)] += c * scale;
   }
   draft_.clear();
   if (soft) draft_.add(excess(), -1.0);
-  for (int i = 0; i <= largest_; ++i) {
-    if (const double c = on_tap_[static_cast<std::size_t>(i)]; c != 0.0) draft_.add(i, c);
-  }
+  add_taps();
   const double bound = (1.0 + slack_) * scale;
   draft_.low = both ? -bound : -DualSimplex::infinity;
   draft_.high = bound - row.constant * scale;
@@ -97,13 +111,13 @@ double RowDrafts::vibration_scale(const proof::Vibration& id) const {
 const DraftRow& RowDrafts::vibration(const proof::Vibration& id, const Box& box) {
   const double scale = vibration_scale(id);
   draft_.clear();
-  on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
+  clear_command();
+  const auto in_box = static_cast<std::size_t>(box.order + model_.rows.smoothing().order()) + 1;
   if (window_)
-    add_window_vibration(model_, id, scale, on_tap_);
+    add_window_vibration(model_, id, scale, on_command_);
   else  // damping counts from the box's last tap; without, a row serves every order
-    model_.rows.add_vibration(
-        id, scale, id.damping > 0.0 ? std::span(on_tap_).first(static_cast<std::size_t>(box.order) + 1) : on_tap_);
-  for (int i = 0; i <= largest_; ++i) draft_.add(i, on_tap_[static_cast<std::size_t>(i)]);
+    model_.rows.add_vibration(id, scale, id.damping > 0.0 ? std::span(on_command_).first(in_box) : on_command_);
+  add_taps();
   draft_.high = scale * model_.rows.vibration_bound(id, box) * (1.0 + slack_);
   draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;
   return draft_;
@@ -135,7 +149,7 @@ const DraftRow* RowDrafts::again(const proof::RangeError& id, const Box& box) {
 
 const DraftRow* RowDrafts::again(const proof::Blend& id, const Box& box) {
   const CornerBox& c = box.corner(id.corner);
-  if (c.d1 != c.d2 || (window_ && !inside_window(id, box))) return nullptr;
+  if (c.d1 != c.d2 || (window_ && !inside_window(id, box, model_.rows.smoothing()))) return nullptr;
   const SparseRow row = model_.rows.row(id, box);
   return row.no_terms() ? nullptr : &limit(row, 1.0, false);
 }

@@ -60,12 +60,16 @@ class RowDrafts {
   const DraftRow* again(Chord& chord, const Box& box);
 
  private:
+  /// The coefficients of the command's taps in `on_command_`, as columns of the draft.
+  void add_taps();
+  void clear_command();
+
   const LimitModel& model_;
   const int largest_;
   const double slack_;
   const bool window_;
   DraftRow draft_;
-  std::vector<double> on_tap_;
+  std::vector<double> on_command_, on_tap_;
 };
 
 }  // namespace accdec::exact

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <accdec/exact/rows.hpp>
@@ -56,7 +57,7 @@ std::vector<EventSpeeds> event_speeds(const Task& task) {
   return speeds;
 }
 
-ConvexRows::ConvexRows(const Task& task) : task_(task), speeds_(event_speeds(task)) {
+ConvexRows::ConvexRows(const Task& task) : task_(task), smoothing_(task.machine), speeds_(event_speeds(task)) {
   for (const Axis& axis : task.machine.axes) lines_.push_back(force_lines(axis));
   const double t = task.sample_period;
   for (std::size_t n = 0; n < period_to_the_.size(); ++n) period_to_the_[n] = std::pow(t, static_cast<double>(n));
@@ -65,15 +66,16 @@ ConvexRows::ConvexRows(const Task& task) : task_(task), speeds_(event_speeds(tas
     const double fastest = std::max(speeds_[a].start, speeds_[a].stop);
     if (fastest == 0.0) continue;
     if (axis.acceleration_max < unlimited) tap_max_ = std::min(tap_max_, axis.acceleration_max * t / fastest);
-    if (axis.force_max == unlimited || axis.damping > 0.0 || axis.mass == 0.0) continue;
+    if (axis.force_max == unlimited || axis.damping > 0.0 || axis.mass == 0.0 || !smoothing_.none()) continue;
     // Dry friction is against a start and helps a stop.
     if (speeds_[a].start > 0.0)
       tap_max_ = std::min(tap_max_, (axis.force_max - axis.coulomb) * t / (axis.mass * speeds_[a].start));
     if (speeds_[a].stop > 0.0)
       tap_max_ = std::min(tap_max_, (axis.force_max + axis.coulomb) * t / (axis.mass * speeds_[a].stop));
   }
+  tap_max_ = std::min(1.0, tap_max_ / smoothing_.largest());
   for (const AxisLimit& limit : axis_limits) {
-    if (limit.differences < 1) continue;
+    if (limit.differences < (smoothing_.none() ? 1 : 0)) continue;
     RampLimit ramp{limit.kind, limit.differences, unlimited};
     for (std::size_t a = 0; a < speeds_.size(); ++a) {
       const double fastest = std::max(speeds_[a].start, speeds_[a].stop), bound = task.machine.axes[a].*limit.bound;
@@ -95,8 +97,8 @@ std::vector<proof::Row> ConvexRows::base_force_rows(int order) const {
   std::vector<proof::Row> rows;
   for (std::size_t a = 0; a < speeds_.size(); ++a) {
     const Axis& axis = task_.machine.axes[a];
-    if (axis.force_max == unlimited || axis.damping == 0.0) continue;
-    for (int k = 1; k <= order + 1; ++k) {
+    if (axis.force_max == unlimited || (axis.damping == 0.0 && smoothing_.none())) continue;
+    for (int k = 1; k <= order + smoothing_.order() + 1; ++k) {
       if (speeds_[a].start > 0.0) rows.push_back(proof::EventForce{false, static_cast<int>(a), k});
       if (speeds_[a].stop > speeds_[a].start) rows.push_back(proof::EventForce{true, static_cast<int>(a), k});
     }
@@ -105,7 +107,7 @@ std::vector<proof::Row> ConvexRows::base_force_rows(int order) const {
 }
 
 SparseRow ConvexRows::row(const proof::TapDifference& id, const Box& box) const {
-  RowBuilder b{box.order};
+  RowBuilder b{box.order + smoothing_.order()};
   const int n = axis_limit(id.limit).differences;
   const double bound = ramp_max(id.limit);
   for (int j = 0; j <= n; ++j) b.tap(id.sample - j, id.sign * difference_weight(n, j) / bound);
@@ -113,7 +115,7 @@ SparseRow ConvexRows::row(const proof::TapDifference& id, const Box& box) const 
 }
 
 SparseRow ConvexRows::row(const proof::EventForce& id, const Box& box) const {
-  RowBuilder b{box.order};
+  RowBuilder b{box.order + smoothing_.order()};
   const Axis& axis = task_.machine.axes[static_cast<std::size_t>(id.axis)];
   const EventSpeeds& s = speeds_[static_cast<std::size_t>(id.axis)];
   // A stop brakes: its force points against its speed.
@@ -127,7 +129,7 @@ SparseRow ConvexRows::row(const proof::EventForce& id, const Box& box) const {
 }
 
 SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
-  RowBuilder b{box.order};
+  RowBuilder b{box.order + smoothing_.order()};
   const double t = task_.sample_period;
   const Axis& axis = task_.machine.axes[static_cast<std::size_t>(id.axis)];
   const Legs v = legs(task_.corners[static_cast<std::size_t>(id.corner)], static_cast<std::size_t>(id.axis));
@@ -159,15 +161,15 @@ ConvexRows::ForceRow ConvexRows::force_row(int a, int line, double sign, double 
   return {of.force, sign * axis.damping + direction * of.slope};
 }
 
-void ConvexRows::add_broken_event_forces(const Filter& filter, std::size_t a, double slack,
+void ConvexRows::add_broken_event_forces(const Filter& command, std::size_t a, double slack,
                                          std::vector<proof::Row>& out) const {
   const Axis& axis = task_.machine.axes[a];
   for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
     const ForceLine& of = lines_[a][static_cast<std::size_t>(line)];
-    for (int k = 1; k <= filter.order() + 1; ++k) {
-      const double inertia = axis.mass * filter.tap(k - 1) / task_.sample_period;
-      const double start = speeds_[a].start * (inertia + (axis.damping + of.slope) * filter.cumulative(k));
-      const double stop = speeds_[a].stop * (inertia + (of.slope - axis.damping) * filter.remaining(k));
+    for (int k = 1; k <= command.order() + 1; ++k) {
+      const double inertia = axis.mass * command.tap(k - 1) / task_.sample_period;
+      const double start = speeds_[a].start * (inertia + (axis.damping + of.slope) * command.cumulative(k));
+      const double stop = speeds_[a].stop * (inertia + (of.slope - axis.damping) * command.remaining(k));
       if (speeds_[a].start > 0.0 && start + axis.coulomb > of.force * (1.0 + slack))
         out.push_back(proof::EventForce{false, static_cast<int>(a), k, line});
       if (speeds_[a].stop > 0.0 && stop - axis.coulomb > of.force * (1.0 + slack))
@@ -176,15 +178,16 @@ void ConvexRows::add_broken_event_forces(const Filter& filter, std::size_t a, do
   }
 }
 
-void ConvexRows::add_broken_curve(const Filter& filter, const Box& box, std::size_t j, std::size_t a, double slack,
+void ConvexRows::add_broken_curve(const Filter& command, const Box& box, std::size_t j, std::size_t a, double slack,
                                   std::vector<proof::Row>& out) const {
   const Axis& axis = task_.machine.axes[a];
   const Legs v = legs(task_.corners[j], a);
   const int d = box.corners[j].d1;
-  for (int k = 1; k <= box.order + d + 1 && !lines_[a].empty(); ++k) {
-    const double speed = v.in * filter.remaining(k) + v.out * filter.cumulative(k - d);
-    const double force = axis.mass * (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / task_.sample_period +
-                         axis.damping * speed;
+  for (int k = 1; k <= box.order + smoothing_.order() + d + 1 && !lines_[a].empty(); ++k) {
+    const double speed = v.in * command.remaining(k) + v.out * command.cumulative(k - d);
+    const double force =
+        axis.mass * (v.out * command.tap(k - 1 - d) - v.in * command.tap(k - 1)) / task_.sample_period +
+        axis.damping * speed;
     const int direction = speed < 0.0 ? -1 : 1;
     for (const int sign : {1, -1}) {
       for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
@@ -199,8 +202,10 @@ void ConvexRows::add_broken_curve(const Filter& filter, const Box& box, std::siz
 
 std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, const Box& box, double slack) const {
   std::vector<proof::Row> broken;
+  std::optional<Filter> made;
+  const Filter& command = smoothing_.command(filter, made);
   const double t = task_.sample_period;
-  for (std::size_t a = 0; a < lines_.size(); ++a) add_broken_event_forces(filter, a, slack, broken);
+  for (std::size_t a = 0; a < lines_.size(); ++a) add_broken_event_forces(command, a, slack, broken);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (box.corners[j].d1 != box.corners[j].d2) continue;
     const int d = box.corners[j].d1;
@@ -208,7 +213,7 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
       const Axis& axis = task_.machine.axes[a];
       const Legs v = legs(task_.corners[j], a);
       if (v.in == 0.0 || v.out == 0.0) continue;
-      add_broken_curve(filter, box, j, a, slack, broken);
+      add_broken_curve(command, box, j, a, slack, broken);
       std::vector<const AxisLimit*> bounded;  // each difference that is computed costs time at every sample
       for (const AxisLimit& limit : axis_limits)
         if (limit.differences >= 0 && axis.*limit.bound < unlimited) bounded.push_back(&limit);
@@ -216,8 +221,8 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
       std::size_t used = forced ? 1 : 0;
       for (const AxisLimit* limit : bounded) used = std::max(used, static_cast<std::size_t>(limit->differences) + 1);
       std::array<double, most_differences + 1> difference{};  // of the acceleration, over T each time
-      for (int k = 1; k <= box.order + d + 1 + most_differences; ++k) {
-        double next = (v.out * filter.tap(k - 1 - d) - v.in * filter.tap(k - 1)) / t;
+      for (int k = 1; k <= box.order + smoothing_.order() + d + 1 + most_differences; ++k) {
+        double next = (v.out * command.tap(k - 1 - d) - v.in * command.tap(k - 1)) / t;
         for (std::size_t i = 0; i < used; ++i) next = (next - std::exchange(difference[i], next)) / t;
         const auto test = [&](LimitKind limit, double value, double bound) {
           if (!(std::abs(value) > bound * (1.0 + slack))) return;
@@ -226,8 +231,8 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
         for (const AxisLimit* limit : bounded)
           test(limit->kind, difference[static_cast<std::size_t>(limit->differences)], axis.*(limit->bound));
         if (!forced) continue;
-        const double force =
-            axis.mass * difference[0] + axis.damping * (v.in * filter.remaining(k) + v.out * filter.cumulative(k - d));
+        const double force = axis.mass * difference[0] +
+                             axis.damping * (v.in * command.remaining(k) + v.out * command.cumulative(k - d));
         test(LimitKind::force, force, axis.force_max + friction_help(axis, v, force > 0.0 ? 1 : -1));
       }
     }
@@ -259,12 +264,14 @@ double ConvexRows::vibration_bound(const proof::Vibration& id, const Box& box) c
 }
 
 bool ConvexRows::breaks_residual(const Filter& filter, const Box& box, std::size_t corner, double slack) const {
+  std::optional<Filter> made;
+  const Filter& command = smoothing_.command(filter, made);
   for (const Mode& mode : task_.machine.modes) {
     if (!mode.of_axis()) continue;
     const Legs v = legs(task_.corners[corner], static_cast<std::size_t>(mode.axis));
     const int delay = box.corners[corner].d1;
     if (v.in == 0.0 || v.out == 0.0) continue;
-    if (residual_utilisation(filter, v.in, v.out, delay, task_.sample_period, mode).utilisation > 1.0 + slack)
+    if (residual_utilisation(command, v.in, v.out, delay, task_.sample_period, mode).utilisation > 1.0 + slack)
       return true;
   }
   return false;

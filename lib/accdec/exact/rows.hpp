@@ -8,6 +8,7 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/exact/box.hpp>
+#include <accdec/exact/smoothing.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
 
@@ -50,25 +51,27 @@ struct EventSpeeds {
 std::vector<EventSpeeds> event_speeds(const Task& task);
 
 /// A limit on differences of the acceleration at start and stop of the fastest leg, as a limit on differences of the
-/// taps.
+/// taps. Behind smoothing the acceleration itself is one, as it is not of the designed taps.
 struct RampLimit {
   LimitKind kind;
-  int differences;  ///< >= 1
+  int differences;  ///< >= 0
   double max;       ///< on |sum_j w_j b_{i-j}| with the weights of that difference
 };
 
-/// The limits of a task that are linear in the taps for a given delay, as rows divided by their bound.
+/// The limits of a task that are linear in the taps for a given delay, as rows divided by their bound. Taps and sums of
+/// these rows are of the command behind the control's smoothing.
 class ConvexRows {
  public:
   /// Keeps the reference.
   explicit ConvexRows(const Task& task);
 
-  double tap_max() const { return tap_max_; }  ///< from accelerations, <= 1
+  const Smoothing& smoothing() const { return smoothing_; }
+  double tap_max() const { return tap_max_; }  ///< of a designed tap, from accelerations, <= 1
   const std::vector<RampLimit>& ramps() const { return ramps_; }
   /// The bound of one of these limits; infinite if there is none.
   double ramp_max(LimitKind kind) const;
 
-  /// Force rows of start and stop for orders up to `order`.
+  /// Force rows of start and stop for orders of the designed filter up to `order`.
   std::vector<proof::Row> base_force_rows(int order) const;
   /// Coefficients of a row; terms beyond the box's order are dropped.
   SparseRow row(const proof::TapDifference& id, const Box& box) const;
@@ -84,7 +87,7 @@ class ConvexRows {
   double vibration_bound(const proof::Vibration& id) const;
   /// Whether the blend of a corner, at the box's delay, leaves a mode of an axis with more than its bound.
   bool breaks_residual(const Filter& filter, const Box& box, std::size_t corner, double slack) const;
-  /// Adds y times the coefficients of a vibration row. @param taps  all of a filter, as damping counts from the last
+  /// Adds y times the coefficients of a vibration row. @param taps  all of a command, as damping counts from the last
   void add_vibration(const proof::Vibration& id, double y, std::span<double> taps) const;
 
  private:
@@ -93,12 +96,13 @@ class ConvexRows {
     double bound, drag;  ///< N; N s/m
   };
   ForceRow force_row(int axis, int line, double sign, double direction) const;
-  void add_broken_event_forces(const Filter& filter, std::size_t axis, double slack,
+  void add_broken_event_forces(const Filter& command, std::size_t axis, double slack,
                                std::vector<proof::Row>& out) const;
-  void add_broken_curve(const Filter& filter, const Box& box, std::size_t corner, std::size_t axis, double slack,
+  void add_broken_curve(const Filter& command, const Box& box, std::size_t corner, std::size_t axis, double slack,
                         std::vector<proof::Row>& out) const;
 
   const Task& task_;
+  Smoothing smoothing_;
   std::vector<std::vector<ForceLine>> lines_;  ///< of each axis
   std::vector<EventSpeeds> speeds_;
   double tap_max_ = 1.0;

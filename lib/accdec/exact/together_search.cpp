@@ -37,8 +37,9 @@ bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size
   }
   one.corners[j].d1 = one.corners[j].d2 = delay;
   const auto broken = bench_.model().rows.broken_blend_rows(filter, one, 1e-9);
-  if (std::any_of(broken.begin(), broken.end(),
-                  [&](const proof::Row& id) { return !box.window || inside_window(id, one); }))
+  if (std::any_of(broken.begin(), broken.end(), [&](const proof::Row& id) {
+        return !box.window || inside_window(id, one, bench_.model().rows.smoothing());
+      }))
     return false;
   if (box.window) return true;
   if (bench_.model().rows.breaks_residual(filter, one, j, 1e-9)) return false;

@@ -12,11 +12,15 @@ namespace {
 /// The part of a row that concerns the taps inside.
 struct Inside {
   const Box& box;
-  bool inner(int tap) const { return tap >= 1 && tap <= box.order - 1; }
+  const Smoothing& smoothing;
+  /// Whether a tap of the command is made of designed taps inside alone.
+  bool inner(int tap) const { return tap - smoothing.order() >= 1 && tap <= box.order - 1; }
 
   bool operator()(const proof::Error&) const { return true; }
   /// The rest of a damped vibration depends on how far the filter's end is.
-  bool operator()(const proof::Vibration& row) const { return row.damping == 0.0 && row.corner < 0; }
+  bool operator()(const proof::Vibration& row) const {
+    return row.damping == 0.0 && row.corner < 0 && smoothing.none();
+  }
   bool operator()(const proof::TapDifference& row) const {
     return inner(row.sample) && inner(row.sample - axis_limit(row.limit).differences);
   }
@@ -34,8 +38,8 @@ struct Inside {
 
 }  // namespace
 
-bool inside_window(const proof::Row& id, const Box& box) {
-  return std::visit(Inside{box}, id);
+bool inside_window(const proof::Row& id, const Box& box, const Smoothing& smoothing) {
+  return std::visit(Inside{box, smoothing}, id);
 }
 
 void add_window_vibration(const LimitModel& model, const proof::Vibration& id, double y, std::span<double> taps) {
@@ -46,36 +50,32 @@ void add_window_vibration(const LimitModel& model, const proof::Vibration& id, d
 
 double window_refutation(const LimitModel& written, const Multipliers& y, const Box& box) {
   const LimitModel& model = written.granted();
-  const auto size = static_cast<std::size_t>(box.order) + 1;
-  std::vector<double> c(size, 0.0), on_sum(size + 1, 0.0);
+  const Smoothing& smoothing = model.rows.smoothing();
+  WeightedTaps sum(smoothing, box.order);
   double rhs = 0.0, magnitude = 0.0;
   for (const auto& [id, value] : y) {
     magnitude += value;
-    if (!inside_window(id, box)) return -std::numeric_limits<double>::infinity();
+    if (!inside_window(id, box, smoothing)) return -std::numeric_limits<double>::infinity();
     if (const auto* error = std::get_if<proof::Error>(&id)) {
       const auto j = static_cast<std::size_t>(error->corner);
       const double wp = value * model.weight_in(j, error->angle), wq = value * model.weight_out(j, error->angle);
       if (wp < -1e-16 || wq < -1e-16) return -std::numeric_limits<double>::infinity();
       for (int i = 0; i <= box.order; ++i)
-        c[static_cast<std::size_t>(i)] += wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
+        sum.designed()[static_cast<std::size_t>(i)] += wp * box.weight_in(j, i) + wq * box.weight_out(j, i);
       rhs += value * model.error_bound(j);
       continue;
     }
     if (const auto* vibration = std::get_if<proof::Vibration>(&id)) {
-      add_window_vibration(model, *vibration, value, c);
+      add_window_vibration(model, *vibration, value, sum.command());
       rhs += value * model.rows.vibration_bound(*vibration);
       continue;
     }
     const SparseRow row = model.row(id, box);
-    for (const auto& [i, x] : row.taps) c[static_cast<std::size_t>(i)] += value * x;
-    for (const auto& [k, x] : row.sums) on_sum[static_cast<std::size_t>(k)] += value * x;
+    for (const auto& [i, x] : row.taps) sum.command()[static_cast<std::size_t>(i)] += value * x;
+    for (const auto& [k, x] : row.sums) sum.add_response(k, value * x);
     rhs += value * (1.0 - row.constant);
   }
-  double suffix = 0.0;
-  for (std::size_t i = size; i-- > 0;) {
-    suffix += on_sum[i + 1];
-    c[i] += suffix;
-  }
+  std::vector<double>& c = sum.all();
   // Least sum c_i b_i: the cheapest taps inside are full, and the cheaper end takes the rest.
   const double end = std::min(c.front(), c.back()), most = 1.0 / model.rows.tap_max();
   const auto dear = std::partition(c.begin() + 1, c.end() - 1, [&](double x) { return x < end; });

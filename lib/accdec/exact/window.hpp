@@ -14,7 +14,7 @@
 namespace accdec::exact {
 
 /// Whether a row concerns only the taps inside a window.
-bool inside_window(const proof::Row& id, const Box& box);
+bool inside_window(const proof::Row& id, const Box& box, const Smoothing& smoothing);
 /// Adds y times the coefficients of the window's taps in a vibration row. Taps that an end stands for count with at
 /// least -1.
 void add_window_vibration(const LimitModel& model, const proof::Vibration& id, double y, std::span<double> taps);

@@ -86,7 +86,7 @@ proof::Row read_row(const Entry& e) {
                              e.integer(4), e.number(5),  e.number(6)};
   };
   for (const AxisLimit& limit : axis_limits) {
-    if (limit.differences > 0 && is(to_string(limit.kind), 2))
+    if (limit.differences >= 0 && is(to_string(limit.kind), 2))
       return proof::TapDifference{e.integer(1), e.integer(2), limit.kind};
     const bool in_blends = limit.differences >= 0 || limit.kind == LimitKind::force;
     if (in_blends && is(fmt::format("blend {}", to_string(limit.kind)), 4))

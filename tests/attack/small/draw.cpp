@@ -30,12 +30,14 @@ class Draw {
       task_.design.runs = one_of({1.0, 1.0, 2.0, 0.5, 10.0});
       if (chance(0.3)) task_.design.objective = Objective::corner;
     }
-    if (is("vibration")) {
+    if (is("vibration") || (is("smoothed") && chance(0.3))) {
       const double low = uniform(0.2, 1.2) / (samples_ * task_.sample_period);
       // Beyond half the sampling frequency a mode is another one's mirror image.
       const double high = std::min(low * one_of({1.0, 1.0, uniform(1.01, 1.15)}), 0.5 / task_.sample_period);
       task_.machine.modes.push_back({std::min(low, high), high, one_of({0.02, 0.05, 0.1, 0.3})});
     }
+    const bool convex = !is("power") && !is("regeneration") && !is("speed");
+    if (is("smoothed") || (convex && chance(0.15))) draw_smoothing();
     if (is("given")) draw_filter();
     return task_;
   }
@@ -131,6 +133,15 @@ class Draw {
       spec.taps.push_back(1.0);
     }
     task_.filter = spec;
+  }
+
+  /// The control's own, of taps that are not negative.
+  void draw_smoothing() {
+    std::vector<double>& taps = task_.machine.prefilter_taps;
+    double sum = 0.0;
+    for (int count = whole(2, 4); count > 0; --count) sum += taps.emplace_back(chance(0.2) ? 0.0 : uniform(0.1, 1.0));
+    if (sum == 0.0) taps.front() = sum = 1.0;
+    for (double& tap : taps) tap /= sum;
   }
 
   std::string_view kind_;

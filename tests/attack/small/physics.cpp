@@ -32,14 +32,30 @@ Legs legs_of(const TaskCorner& corner, std::size_t axes) {
   return legs;
 }
 
+/// Taps of the control's own smoothing.
+std::vector<double> smoothing_of(const Task& task) {
+  return task.machine.prefilter_taps.empty() ? std::vector<double>{1.0} : task.machine.prefilter_taps;
+}
+
+/// Every sample is the smoothing's mean of the last ones.
+std::vector<double> smoothed(const std::vector<double>& command, const std::vector<double>& smoothing) {
+  std::vector<double> result(command.size(), 0.0);
+  for (std::size_t s = 0; s < command.size(); ++s) {
+    for (std::size_t j = 0; j < smoothing.size() && j <= s; ++j) result[s] += smoothing[j] * command[s - j];
+  }
+  return result;
+}
+
 /// Velocity of an axis: of each sample what every unit tap makes of the command.
-Rows velocity_rows(double in, double out, std::size_t taps, std::size_t leg, std::size_t delay) {
+Rows velocity_rows(double in, double out, std::size_t taps, std::size_t leg, std::size_t delay,
+                   const std::vector<double>& smoothing) {
   const std::size_t rest = leg;
   std::vector<double> command(rest, 0.0);
   command.insert(command.end(), leg, in);
   command.insert(command.end(), delay, 0.0);
   command.insert(command.end(), leg, out);
   command.insert(command.end(), rest, 0.0);
+  command = smoothed(command, smoothing);
   Rows rows{taps, std::vector<double>(command.size() * taps, 0.0)};
   for (std::size_t s = 0; s < command.size(); ++s) {
     for (std::size_t i = 0; i < taps && i <= s; ++i) rows.values[s * taps + i] = command[s - i];
@@ -99,6 +115,10 @@ double dot(const double* row, const std::vector<double>& taps) {
   return sum;
 }
 
+int smoothing_order(const Task& task) {
+  return static_cast<int>(smoothing_of(task).size()) - 1;
+}
+
 Physics::Physics(const Task& task, int order, const std::vector<int>& delays) {
   const auto taps = static_cast<std::size_t>(order) + 1;
   linear.taps = cones.taps = velocities.taps = taps;
@@ -109,10 +129,18 @@ Physics::Physics(const Task& task, int order, const std::vector<int>& delays) {
       const double part = count > 1 ? f / (count - 1.0) : 0.0;
       const double step = 2.0 * std::numbers::pi * task.sample_period *
                           (mode.frequency_low + part * (mode.frequency_high - mode.frequency_low));
+      // A unit tap leaves the smoothing's taps, from its own place on.
+      const std::vector<double> smoothing = smoothing_of(task);
       double* x = cones.fresh();
-      for (std::size_t i = 0; i < taps; ++i) x[i] = std::cos(step * static_cast<double>(i)) / mode.residual_max;
+      for (std::size_t i = 0; i < taps; ++i) {
+        for (std::size_t j = 0; j < smoothing.size(); ++j)
+          x[i] += smoothing[j] * std::cos(step * static_cast<double>(i + j)) / mode.residual_max;
+      }
       double* y = cones.fresh();
-      for (std::size_t i = 0; i < taps; ++i) y[i] = std::sin(step * static_cast<double>(i)) / mode.residual_max;
+      for (std::size_t i = 0; i < taps; ++i) {
+        for (std::size_t j = 0; j < smoothing.size(); ++j)
+          y[i] += smoothing[j] * std::sin(step * static_cast<double>(i + j)) / mode.residual_max;
+      }
     }
   }
   for (const Rows* rows : {&linear, &cones}) {
@@ -124,12 +152,15 @@ void Physics::add_corner(const Task& task, std::size_t j, int order, int delay) 
   const TaskCorner& corner = task.corners[j];
   const std::size_t axes = task.machine.axes.size();
   const Legs legs = legs_of(corner, axes);
-  const auto leg = static_cast<std::size_t>(order) + 4, end = 2 * leg;
+  const std::vector<double> smoothing = smoothing_of(task);
+  const int longest = order + smoothing_order(task);
+  const auto leg = static_cast<std::size_t>(longest) + 4, end = 2 * leg;
   // The last sample of leg 1's command, and everything until leg 2 is at full speed.
-  const std::size_t first = end - 1, last = end + static_cast<std::size_t>(order + delay) + 1;
+  const std::size_t first = end - 1, last = end + static_cast<std::size_t>(longest + delay) + 1;
   std::vector<Rows> velocity, position;
   for (std::size_t a = 0; a < axes; ++a) {
-    velocity.push_back(velocity_rows(legs.in[a], legs.out[a], linear.taps, leg, static_cast<std::size_t>(delay)));
+    velocity.push_back(
+        velocity_rows(legs.in[a], legs.out[a], linear.taps, leg, static_cast<std::size_t>(delay), smoothing));
     add_axis(task.machine.axes[a], velocity[a], task.sample_period);
     const double length = static_cast<double>(leg) * legs.in[a] * task.sample_period;
     position.push_back(position_rows(velocity[a], length, task.sample_period, first, last));
@@ -137,8 +168,8 @@ void Physics::add_corner(const Task& task, std::size_t j, int order, int delay) 
   const Plane plane = plane_of(legs);
   if (corner.error_max) {
     ErrorLimit error{j, *corner.error_max, std::max(*corner.error_max, 1e-9), in_plane(position, plane), 0, 0};
-    error.first = static_cast<std::size_t>(std::min(order, delay));
-    error.last = static_cast<std::size_t>(std::max(order, delay)) + 1;
+    error.first = static_cast<std::size_t>(std::min(longest, delay));
+    error.last = static_cast<std::size_t>(std::max(longest, delay)) + 1;
     for (const double value : error.positions.values) most = std::max(most, 2.0 * std::abs(value) / error.cut_bound);
     errors.push_back(std::move(error));
   }

@@ -41,6 +41,9 @@ struct ErrorLimit {
       last;  ///< samples that can be nearest: before leg 2 has begun or after leg 1 is over all lead away
 };
 
+/// By how many samples the control's own smoothing lengthens a motion.
+int smoothing_order(const Task& task);
+
 /// Everything a filter of this order with these delays does, from sampled commands: rest, leg 1, gap, leg 2, rest, once
 /// for every unit tap. Nothing of the library but the task's numbers is used.
 struct Physics {
