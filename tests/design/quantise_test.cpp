@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/design/quantise.hpp>
+#include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/task.hpp>
 #include <accdec/verify.hpp>
@@ -76,6 +77,48 @@ TEST(Quantise, SixteenBitsLoseAtMostASampleOrAPercent) {
     const double lost = result.objective() - result.quantisation->unquantised;
     EXPECT_LE(lost, std::max(1.001 * task.sample_period, 0.01 * result.quantisation->unquantised));
   }
+}
+
+/// The shipped corner for a control of free taps that has one kind of delay.
+Task task_of_kind(DelayKind kind, int bits) {
+  Task task = read_task(test_support::source_folder() + "/problems/corner/acceleration-jerk.toml");
+  ControllerSettings control;
+  control.families = {SettingFamily::taps};
+  control.delays = {kind};
+  task.settings = control;
+  task.design.coefficient_bits = bits;
+  if (kind == DelayKind::continuous) task.corners[0].error_max.reset();
+  return task;
+}
+
+TEST(Quantise, WithTheDelaysThatAControlHas) {
+  for (const DelayKind kind : {DelayKind::continuous, DelayKind::exact_stop, DelayKind::in_position, DelayKind::dwell,
+                               DelayKind::timed_axis}) {
+    SCOPED_TRACE(to_string(kind));
+    const DesignResult result = design_task(task_of_kind(kind, 16));
+    expect_whole(result, 16);
+    const double free = design_task(task_of_kind(kind, 0)).objective();
+    EXPECT_DOUBLE_EQ(result.quantisation->unquantised, free);
+    EXPECT_LE(result.objective(), free + 1.001e-3) << "a sample";
+  }
+}
+
+TEST(Quantise, OtherFamiliesAndCornerFeedsAreRefused) {
+  const auto refusal = [](const std::string& more) -> std::string {
+    try {
+      parse_task("sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[design]\ncoefficient_bits = 16\n" +
+                     more + "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n",
+                 "task");
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal(""), "");
+  EXPECT_EQ(refusal("[controller]\ndelays = \"exact-stop\"\n"), "");
+  EXPECT_THAT(refusal("family = [\"taps\", \"averages\"]\n"), HasSubstr("task:5:20"));
+  EXPECT_THAT(refusal("family = [\"taps\", \"averages\"]\n"), HasSubstr("leave out other families"));
+  EXPECT_THAT(refusal("[controller]\ndelays = [\"dwell\", \"corner-feed\"]\n"), HasSubstr("`corner-feed`"));
 }
 
 TEST(Quantise, SymmetricTapsStaySymmetric) {

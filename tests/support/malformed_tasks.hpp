@@ -218,7 +218,7 @@ inline std::vector<Case> cases() {
       {"coefficient_bits_and_filter",
        end("[design]\ncoefficient_bits = 16"),
        "20:20",
-       {"taps that are designed", "leave [filter] out"}},
+       {"designs free taps; leave out [filter]"}},
       {"controller_unknown",
        end("[controller]\nname = \"fanuc-01\""),
        "20:8",

@@ -89,6 +89,7 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     result.certificate = certify_contradiction(task);
     return result;
   }
+  if (task.design.coefficient_bits > 0 && !task.filter) return design_quantised(task, options);
   if (task.settings) {
     const ControllerSettings& control = *task.settings;
     const bool family = control.names_family();
@@ -96,7 +97,6 @@ DesignResult design_task(const Task& task, const DesignOptions& options) {
     if (family) return design_settings(task, options);
   }
   if (task.filter) return design_delays(task, options);
-  if (task.design.coefficient_bits > 0) return design_quantised(task, options);
   if (options.method == Method::exact && !Response(task.machine, task.sample_period).common())
     return design_differing(task, options);
   const auto began = std::chrono::steady_clock::now();

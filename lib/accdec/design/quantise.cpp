@@ -10,6 +10,7 @@
 #include <accdec/design/quantise.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limit_unit.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -130,7 +131,7 @@ class QuantisedDesign {
     DesignOptions share = options_;
     share.time_limit *= 0.5;
     free_ = design_task(free, share);
-    free_.task = task_;
+    proved_of_ = std::exchange(free_.task, task_).corners;
     if (!free_.has_design()) return std::move(free_);
     tell(fmt::format("free taps take {:.6g} ms; rounding to {} bits", 1e3 * free_.objective(), bits_));
     for (const CornerResult& corner : free_.corners) delays_.push_back(corner.delay);
@@ -176,6 +177,7 @@ class QuantisedDesign {
   void at_order(int order, double part) {
     Task task = with_room(part, order);
     task.design.order_min = task.design.order_max = order;
+    task.settings.reset();
     for (std::size_t j = 0; j < delays_.size(); ++j) task.corners[j].delay = delays_[j];
     offer_design_of(std::move(task));
   }
@@ -200,7 +202,8 @@ class QuantisedDesign {
     const auto rounded = round_under_limits(task_, filter, delays, bits_, stop);
     if (!rounded) return;
     const Filter quantised = filter_of_coefficients(*rounded);
-    DesignResult found = assess(task_, quantised, smallest_delays(quantised, delays), false);
+    DesignResult found =
+        task_.settings ? with_kinds(quantised) : assess(task_, quantised, smallest_delays(quantised, delays), false);
     if (!found.has_design() || (best_ && !(found.objective() < best_->objective()))) return;
     found.quantisation = Quantisation{bits_, *rounded, 0.0};
     best_ = std::move(found);
@@ -219,6 +222,28 @@ class QuantisedDesign {
     return delays;
   }
 
+  /// With the cheapest delays of the kinds that the control has.
+  DesignResult with_kinds(const Filter& filter) const {
+    const auto delays = delays_of_kinds(filter, task_, unlimited, [this] { return late(); });
+    if (!delays) return {};
+    DesignResult found = assess(task_, filter, delays->delays, false);
+    if (!free_.settings) return found;
+    found.settings = free_.settings;
+    found.settings->filter = {
+        .kind = Shape::taps, .order = filter.order(), .taps = {filter.taps().begin(), filter.taps().end()}};
+    found.settings->delays = delays->kinds;
+    found.settings->width = delays->width;
+    return found;
+  }
+
+  /// For a control of one kind of delay, the proof of free taps is about the delays that they have.
+  bool about_these_delays(const DesignResult& result) const {
+    for (std::size_t j = 0; j < result.corners.size(); ++j) {
+      if (proved_of_[j].delay.value_or(result.corners[j].delay) != result.corners[j].delay) return false;
+    }
+    return true;
+  }
+
   DesignResult finish() {
     DesignResult result;
     if (!best_) {
@@ -234,8 +259,11 @@ class QuantisedDesign {
       result.stop = free_.stop, result.message = free_.message;
       result.quantisation->unquantised = std::min(free_.objective(), result.objective());
     }
-    result.lower_bound = free_.lower_bound;
-    result.certificate = free_.certificate;
+    if (about_these_delays(result)) {
+      result.task.corners = proved_of_;
+      result.lower_bound = free_.lower_bound;
+      result.certificate = free_.certificate;
+    }
     result.solver = free_.solver;
     result.solver.wall_time = seconds_since(began_);
     if (result.has_design()) judge_gap(result);
@@ -253,6 +281,7 @@ class QuantisedDesign {
   double unit_;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   DesignResult free_;
+  std::vector<TaskCorner> proved_of_;
   std::vector<int> delays_;
   std::optional<DesignResult> best_;
 };

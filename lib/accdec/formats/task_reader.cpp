@@ -291,12 +291,12 @@ class TaskReader {
   }
 
   void check_coefficients(const Table& table) const {
-    if (!table.has("coefficient_bits")) return;
-    if (task_.filter)
-      table.fail_at("coefficient_bits", "`coefficient_bits` is about taps that are designed; leave [filter] out");
-    if (task_.settings)
-      table.fail_at("coefficient_bits",
-                    "`coefficient_bits` is about free taps and delays; leave `family` and [controller] out");
+    const auto leave_out = [&, asked = table.has("coefficient_bits")](bool there, const std::string& what) {
+      if (asked && there) table.fail_at("coefficient_bits", "`coefficient_bits` designs free taps; leave out " + what);
+    };
+    leave_out(task_.filter.has_value(), "[filter]");
+    leave_out(task_.settings && task_.settings->names_family(), "other families");
+    leave_out(task_.settings && task_.settings->names(DelayKind::corner_feed), "the delay `corner-feed`");
   }
 
   void read_axes() {

@@ -19,8 +19,10 @@ struct WholeTaps {
 
 /// Free taps at their limits have no room for a rounding. Other ones of this order and these delays mostly have it.
 std::optional<Coefficients> designed_whole(Task task, int order, const std::vector<int>& delays, int bits) {
-  const bool free = !task.filter && !task.settings && !limits_supply(task.machine);
+  const bool family = task.settings && task.settings->names_family();
+  const bool free = !task.filter && !family && !limits_supply(task.machine);
   if (!free || !Response(task.machine, task.sample_period).ideal()) return std::nullopt;
+  task.settings.reset();  // the delays are given
   task.design.coefficient_bits = bits;
   task.design.order_min = task.design.order_max = order;
   for (std::size_t j = 0; j < delays.size(); ++j) task.corners[j].delay = delays[j];
