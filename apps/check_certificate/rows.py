@@ -158,6 +158,10 @@ class Row:
         self.response(k, -into)
         self.response(k - d, out)
 
+    def direction(self, at, into, out):
+        """Of the motion, which dry friction is against. 0: the axis reverses, so that friction may help everywhere."""
+        return 0 if -into * out > 0 else 1 if (into + out).lo > 0 else -1
+
     def load(self, kind, event, *at, axis=None):
         a, k, sign, into, out, d, _ = self.legs(event, at)
         axis, period = axis or self.problem.axes[a], self.problem.period
@@ -170,9 +174,7 @@ class Row:
         if kind == "force":
             c = exact(axis.damping / most * sign)
             self.move(k, into * c, out * c, d)
-            # Dry friction is against an axis that keeps its direction. If it reverses, friction may help everywhere.
-            against = -1 if -into * out > 0 else sign if (into + out).lo > 0 else -sign
-            self.limit(-against * axis.coulomb / most)
+            self.limit(-(self.direction(at, into, out) * sign or -1) * axis.coulomb / most)
         self.limit(1)
 
     def power(self, kind, event, *at):

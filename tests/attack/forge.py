@@ -39,6 +39,7 @@ NODES = {
     "ResponseSplit": _second("B"),
     "ByLemma": _tag("lemma"),
     "ContourSplit": _second("c"),
+    "ReversalSplit": lambda n: isinstance(n, list) and len(n) == 4 and n[1] == "r",
 }
 ROWS = {
     "TapDifference": _tag("jerk"),
@@ -53,6 +54,7 @@ ROWS = {
     "Speed": _tag("speed"),
     "Response": _tag("response"),
     "Contour": _tag("contour"),
+    "Reversal": _tag("reversal"),
 }
 
 
@@ -153,7 +155,8 @@ SETTINGS = _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, 
 SETTINGS["design"] = {"family": "averages", "stages": 2, "length_max_ms": 32}
 
 # Limits outside the convex class, so tight that proofs need chords of the speed and splits of responses. They also need
-# splits of the time at which a path changes from one leg's strip to the other's.
+# splits of the time at which a path changes from one leg's strip to the other's. Others are of the sample at which an
+# axis with dry friction reverses.
 TIGHT = {
     "slow": _task(
         1.0, {"acceleration_max_mm_s2": 10e3, "jerk_max_mm_s3": 1500e3}, (90.0, 0.0, 6000.0, 60.0), speed=33.0
@@ -166,6 +169,9 @@ TIGHT = {
     ),
     "contour": _task(1.0, {"acceleration_max_mm_s2": 6e3, "jerk_max_mm_s3": 500e3}, (70.0, 0.0, 6000.0, 120.0)),
 }
+TIGHT["turning"] = _task(
+    1.0, {"mass_kg": 34.0, "coulomb_N": 60.0, "force_max_N": 300.0}, (40.0, 50.0, 9000.0, 150.0)
+)
 TIGHT["contour"]["corner"][0] |= {"feed_out_mm_min": 4000.0, "contour_max_um": 60.0}
 
 
@@ -176,8 +182,8 @@ def draw(rng, case):
     kind = kinds[case % 48 % len(kinds)]
     if case % 48 >= 45:
         return copy.deepcopy(SETTINGS)
-    if case % 48 == 44:
-        kind = "contour"
+    if case % 48 in (43, 44):
+        kind = ("turning", "contour")[case % 48 - 43]
     if kind in TIGHT:
         return copy.deepcopy(TIGHT[kind])
     base, *more = kind.split()

@@ -1,5 +1,6 @@
 """Both checkers on the same files, forged or honest: neither may accept what is not true. Needs a built program
 (ACCDEC_BINARY)."""
+import copy
 import json
 import subprocess
 import sys
@@ -162,6 +163,45 @@ class CornerSpeed(BothCheckers):
                 axis["jerk_max_mm_s3"] = jerk
             self.both(result, True)
         self.assertLess(time.monotonic() - began, 60)
+
+
+TURNING = """sample_period_ms = 1
+[design]
+order_max = 80
+[[axis]]
+mass_kg = 34
+coulomb_N = 40
+force_max_N = 300
+[[corner]]
+angle_deg = 50
+heading_deg = 30
+feed_in_mm_min = 9000
+error_max_um = 50
+"""
+
+
+class Reversals(BothCheckers):
+    def test_friction_turns_round_with_the_axis(self):
+        result = designed(TURNING)
+        self.assertEqual(result["status"], "optimal")
+        self.both(result, True)
+        tree, sets = result["certificate"]["tree"], result["certificate"]["multipliers"]
+        splits = [i for i, node in enumerate(tree) if isinstance(node, list) and node[1] == "r"]
+        self.assertTrue(splits)
+        rows = {(s, r) for s, rows in enumerate(sets) for r, row in enumerate(rows) if row[0] == "reversal"}
+        self.assertTrue(rows)
+        lighter = copy.deepcopy(result)
+        for axis in lighter["task"]["axis"]:
+            axis["coulomb_N"] = 10  # a shorter design holds
+        self.both(lighter, "")
+        self.assertLess(designed(TURNING.replace("= 40", "= 10"))["cycle_time_s"], result["cycle_time_s"])
+        for node in ([0, "r", 0, -1], [0, "r", 0, 2**31 - 1], [0, "r", 0, 0.5]):
+            forged = copy.deepcopy(result)
+            forged["certificate"]["tree"][splits[0]] = node
+            self.both(forged, "")
+        for sign in (-1, 1):  # of an axis that keeps its direction, and of a sample at which it may reverse
+            for row in (["reversal", 0, 1, 5, sign, 1.0], ["reversal", 0, 0, 12, sign, 1.0]):
+                self.both(dict(result, certificate=result["certificate"] | {"multipliers": [s + [row] for s in sets]}), "")
 
 
 class Rows(BothCheckers):

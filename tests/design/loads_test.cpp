@@ -154,15 +154,14 @@ TEST(Loads, AnExactStopTakesTheForceThatFrictionLeaves) {
   }
 }
 
-TEST(Loads, DryFrictionOfAxesThatReverseHolds) {
+TEST(Loads, DryFrictionOfAxesThatReverseIsProved) {
   std::mt19937 rng(9);
   for (int i = 0; i < test_support::tries(12); ++i) {
     SCOPED_TRACE(i);
     const Task task = random_loads(rng, true);
-    const DesignResult result = designed(task, 10.0);
+    const DesignResult result = designed(task, 60.0);
+    EXPECT_EQ(result.status, Status::optimal) << result.message;
     expect_held(task, result);
-    ASSERT_TRUE(result.lower_bound) << result.message;
-    EXPECT_LE(*result.lower_bound, result.objective() * (1.0 + 1e-9));
   }
 }
 

@@ -70,6 +70,7 @@ Certificate certificate_of_every_kind() {
                         {Error{1, 0.1}, 2.0},
                         {RangeError{0, -0.7, {5, true, false}, {-2, false, true}}, 2.0},
                         {proof::Contour{1, true}, 2.0},
+                        {Reversal{1, 0, 12, -1}, 2.0},
                         {Budget{}, 5.0},
                         {Vibration{1, 38.1, -3.0}, 2.0},
                         {EventPower{false, 0, 2, 0.1, 0.2}, 2.0},
@@ -88,7 +89,8 @@ Certificate certificate_of_every_kind() {
                 Unreachable{},
                 SymmetricOrders{},
                 RefutedSymmetric{0, -2},
-                proof::ContourSplit{1, 4.25}};
+                proof::ContourSplit{1, 4.25},
+                ReversalSplit{1, 0, 12}};
   return {proof};
 }
 

@@ -4,11 +4,13 @@ from math import floor
 
 from enclosure import BITS, ONE, PI, Enclosure, NotCovered, exact, refuse_if, square_root, turned
 from more.widening import widens
+from problem import STILL
 from rows import BEHIND_A_SERVO, IN_WINDOWS, KINDS, Limits, Row, turns
 from tube import tube
 
 SERVO_FREE = {"force start", "force stop", "blend force", "force_speed start", "force_speed stop",
-              "blend force_speed"}  # rows of forces, which are known behind a smoothing, but not behind a servo
+              "blend force_speed", "reversal"}  # rows of forces, which are known behind a smoothing, but not behind a servo
+ANY_SAMPLE = 0, 2**31 - 1
 
 
 @widens(Limits, "__init__")
@@ -139,6 +141,29 @@ def contour(row, j, out):
     row.limit(corner.contour / row.problem.period / corner.fastest / corner.sine)
 
 
+def reversal_range(row, j, a):
+    return row.box.ranges.get((j, a, "r"), ANY_SAMPLE)
+
+
+def reversal(row, j, a, k, sign):
+    """An axis that reverses moves as along leg 2 from the end of its range on, and stands at most before its start."""
+    *_, into, out, d, _ = row.legs("blend", (j, a, k, sign))
+    refuse_if(not -into * out > 0, "a multiplier names a reversal that is not there")
+    first, last = reversal_range(row, j, a)
+    refuse_if(k < last if sign > 0 else k >= first, "a multiplier names a sample at which an axis may reverse")
+    c = exact((1 if out.lo < 0 else -1) * sign / row.problem.corners[j].fastest)
+    row.move(k, into * c, out * c, d)
+    row.limit(0 if sign > 0 else 2 * STILL)
+
+
+@widens(Row, "direction")
+def direction(narrow, self, at, into, out):
+    """From the end of its range on, an axis has reversed."""
+    kept = narrow(self, at, into, out)
+    reversed_ = not kept and at[2] >= reversal_range(self, at[0], at[1])[1]
+    return (1 if out.lo > 0 else -1) if reversed_ else kept
+
+
 def range_error(row, j, angle, a, a_after, a_high, b, b_after, b_high):
     (d1, d2, k1, k2), (of_p, of_q), corners = row.box.corners[j], row.seen(j, angle, False), len(row.box.corners)
     # p_k >= p_a - z G, z = k - a, G = 1 - B_e, and z G <= z0 G + g (z - z0)
@@ -187,8 +212,9 @@ def vibration(row, m, *at):
 
 
 KINDS |= {
-    "acceleration": (acceleration, "ks"), "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"), "contour": (contour, "jb"),
-    "speed": (speed, "jkxx"), "blend force_speed": (force_speed, "jaksks", "blend"),
+    "acceleration": (acceleration, "ks"), "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"),
+    "contour": (contour, "jb"), "reversal": (reversal, "jaks"), "speed": (speed, "jkxx"),
+    "blend force_speed": (force_speed, "jaksks", "blend"),
     "force_speed start": (force_speed, "akk", "start"), "force_speed stop": (force_speed, "akk", "stop"),
     "vibration": (vibration, "mxx"), "damped vibration": (vibration, "mxxx"), "blend vibration": (vibration, "mjxxx"),
 }

@@ -1,8 +1,9 @@
 """Nodes about symmetric filters. Such a filter becomes one of the part's order or of one less by zeros at both ends.
-Splits of contour times (j, "c")."""
+Splits of contour times (j, "c") and of the samples at which an axis reverses (j, axis, "r")."""
 from fractions import Fraction
 
 from enclosure import number, refuse_if, whole
+from more.rows import ANY_SAMPLE
 from more.widening import widens
 from tree import Tree
 
@@ -31,7 +32,7 @@ def symmetric_tree(tree, ranges, depth, order):
         tree.leaves += 1
         refuse_if(tree.limits.tube(part) is not None, f"{part} is called unreachable, but is not")
     else:
-        for half in tree.halves(node, ranges, "B"):
+        for half in tree.halves(node, ranges, "Br"):
             symmetric_tree(tree, half, depth + 1, order)
 
 
@@ -53,6 +54,11 @@ def reduced(narrow, self, ranges, window=False):
 
 @widens(Tree, "halves")
 def halves(narrow, self, node, ranges, kinds):
+    if "B" in kinds and isinstance(node, list) and len(node) == 4 and node[1] == "r":
+        key, at = (whole(node[0]), whole(node[2]), "r"), whole(node[3])
+        low, high = ranges.get(key, ANY_SAMPLE)
+        refuse_if(not low <= at < high, "the tree splits outside the part")
+        return ranges | {key: (low, at)}, ranges | {key: (at + 1, high)}
     if "N" not in kinds or not isinstance(node, list) or len(node) != 3 or node[1] != "c":
         return narrow(self, node, ranges, kinds)
     key, at = (whole(node[0]), "c"), number(node[2])

@@ -36,12 +36,25 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& n, c
   return both;
 }
 
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ReversalSplit& n, const CheckedBox& whole) {
+  const CheckedReversal range = whole.reversal(n.corner, n.axis);
+  if (n.at < range.first || n.at >= range.last) throw Rejected("the tree splits outside the box");
+  CheckedBox rest = whole;
+  std::erase_if(rest.reversals, [&](const CheckedReversal& r) { return r.corner == n.corner && r.axis == n.axis; });
+  std::pair<CheckedBox, CheckedBox> both{rest, rest};
+  both.first.reversals.push_back({n.corner, n.axis, range.first, n.at});
+  both.second.reversals.push_back({n.corner, n.axis, n.at + 1, range.last});
+  return both;
+}
+
 std::string describe(const CheckedBox& box) {
   std::string text = fmt::format("order up to {}", box.order);
   for (const CheckedRange& r : box.corners)
     text += fmt::format(", d = {} .. {} (k = {} .. {})", r.d1, r.d2, r.k1, r.k2);
   for (const CheckedCut& c : box.cuts)
     text += fmt::format(", B_{} {} {:.6g}", c.sample, c.upper ? "<=" : ">=", c.level);
+  for (const CheckedReversal& r : box.reversals)
+    text += fmt::format(", corner {}'s axis {} reverses at {} .. {}", r.corner, r.axis, r.first, r.last);
   return text;
 }
 

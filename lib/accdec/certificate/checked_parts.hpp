@@ -16,6 +16,9 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& spli
 /// The parts with a contour time at most a value, and at least that value.
 /// @throws Rejected unless the value is inside the range
 std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ContourSplit& split, const CheckedBox& whole);
+/// The parts in which an axis reverses up to a sample, and after it.
+/// @throws Rejected if the sample is not inside the range
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ReversalSplit& split, const CheckedBox& whole);
 /// The box in words, for what is said about it.
 std::string describe(const CheckedBox& box);
 

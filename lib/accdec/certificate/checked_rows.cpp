@@ -91,7 +91,8 @@ void CheckedRows::add(const proof::Term& term, CheckedBox& box, CheckedSum& sum)
     // At constant speed a limit says nothing about the taps. If it holds, the proof does without the row: multipliers
     // serve several parts, and in some parts their rows are at samples past the end.
     if constexpr (std::is_same_v<Row, proof::Blend> || std::is_same_v<Row, proof::BlendPower> ||
-                  std::is_same_v<Row, proof::EventForce> || std::is_same_v<Row, proof::EventPower>) {
+                  std::is_same_v<Row, proof::Reversal> || std::is_same_v<Row, proof::EventForce> ||
+                  std::is_same_v<Row, proof::EventPower>) {
       if (sum.terms == terms && (sum.rhs - before).lo > 0.0) sum.rhs = before;
     }
   };
@@ -273,6 +274,28 @@ Interval CheckedRows::bound_of_mode(const proof::Vibration& row, const Mode& mod
   return Interval(mode.displacement_max) * damped / speed;
 }
 
+/// The speed in leg 2's direction does not fall. From the end of the range on it is above `still_part` of the feed, and
+/// so not below 0. Before the range it is at most that part, widened as all limits are.
+void CheckedRows::add_row(const proof::Reversal& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
+  const TaskCorner& c = corner(row.corner);
+  axis(row.axis);
+  response_.require_no_servo();
+  const int d = single_delay(row.corner, box);
+  const auto a = static_cast<std::size_t>(row.axis);
+  const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
+  if (!((in * out).hi < 0.0)) throw Rejected("a multiplier names the reversal of an axis that keeps its direction");
+  const CheckedReversal range = box.reversal(row.corner, row.axis);
+  const bool after = row.sign > 0;
+  if (after ? row.sample < range.last : row.sample >= range.first)
+    throw Rejected("a multiplier names a sample at which an axis may reverse");
+  const Interval scale =
+      weight * (after == (out.lo > 0.0) ? -1.0 : 1.0) / Interval(std::max(c.geometry().feed_in, c.geometry().feed_out));
+  sum.rhs = sum.rhs - scale * in;
+  if (!after) sum.rhs = sum.rhs + weight * (2.0 * still_part);
+  add_response(sum, row.sample, -1.0 * scale * in);
+  add_response(sum, row.sample - d, scale * out);
+}
+
 void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   const int k = row.sample;
   const TaskCorner& c = corner(row.corner);
@@ -298,9 +321,10 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
         f * Interval(x.damping) + weight * (row.direction < 0 ? -1.0 : 1.0) * force.slope / force.bound;
     acceleration(k, f * Interval(x.mass));
     sum.rhs = sum.rhs - drag * in;
-    // Dry friction is against an axis that keeps its direction. One that reverses may have it help at every sample.
-    const double forward = in.lo + out.lo > 0.0 ? 1.0 : -1.0;
-    const double help = (in * out).lo < 0.0 ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
+    // Dry friction is against the direction of the motion. An axis that reverses may have it help until it surely has.
+    const bool reverses = (in * out).lo < 0.0, reversed = k >= box.reversal(row.corner, row.axis).last;
+    const double forward = (reverses ? out : in + out).lo > 0.0 ? 1.0 : -1.0;
+    const double help = reverses && !reversed ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
     sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / force.bound;
     add_response(sum, k, -1.0 * drag * in);
     add_response(sum, k - d, drag * out);

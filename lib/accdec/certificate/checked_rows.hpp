@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -21,16 +22,29 @@ struct CheckedRange {
   double c1 = 0.0, c2 = 0.0;
 };
 
+/// The first sample at which an axis that reverses at a corner moves as along leg 2.
+struct CheckedReversal {
+  int corner, axis;
+  int first = 0, last = std::numeric_limits<int>::max();
+};
+
 /// A part of all designs: filters up to `order`, delays and samples in the ranges, responses within the cuts.
 struct CheckedBox {
   std::vector<CheckedRange> corners;
   std::vector<CheckedCut> cuts;
+  std::vector<CheckedReversal> reversals;  ///< from splits; others may be at any sample
   int order = -1;
   int order_least = 0, order_most = -1;  ///< from splits on the order
   std::optional<double> budget;          ///< upper bound on what the target leaves of sum_j w_j (d_j - d1_j)
   std::optional<CheckedTube> tube;       ///< only if a row needs it
   bool window = false;                   ///< filters of any order: the first and the last tap stand for many
   bool nothing_left = false;             ///< the tube is empty: no filter is in the box
+
+  CheckedReversal reversal(int corner, int axis) const {
+    for (const CheckedReversal& r : reversals)
+      if (r.corner == corner && r.axis == axis) return r;
+    return {corner, axis};
+  }
 };
 
 /// sum_i c_i b_i + sum_k e_k B_k + sum_j (f_j (d_j - d1_j) + g_j (k_j - k1_j)) > rhs has to hold for every filter and
@@ -93,6 +107,7 @@ class CheckedRows {
   void add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Contour& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Reversal& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Budget& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Vibration& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;

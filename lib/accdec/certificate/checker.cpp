@@ -193,13 +193,10 @@ class Checker {
     node(longer, depth + 1);
   }
 
-  void check(const proof::Split& n, const CheckedBox& whole, const CheckedBox&, int depth) {
-    const auto [first, second] = checked_parts(n, whole);
-    node(first, depth + 1);
-    node(second, depth + 1);
-  }
-
-  void check(const proof::ContourSplit& n, const CheckedBox& whole, const CheckedBox&, int depth) {
+  /// Splits of a corner.
+  template <class Split>
+  auto check(const Split& n, const CheckedBox& whole, const CheckedBox&, int depth)
+      -> decltype(checked_parts(n, whole), void()) {
     const auto [first, second] = checked_parts(n, whole);
     node(first, depth + 1);
     node(second, depth + 1);
@@ -242,8 +239,12 @@ class Checker {
       const auto [first, second] = checked_parts(*split, box, box.order);
       exact_order(first, depth + 1);
       exact_order(second, depth + 1);
+    } else if (const auto* reversal = std::get_if<proof::ReversalSplit>(&entry)) {
+      const auto [first, second] = checked_parts(*reversal, box);
+      exact_order(first, depth + 1);
+      exact_order(second, depth + 1);
     } else {
-      throw Rejected("symmetric filters of one order are neither refuted nor split on a response");
+      throw Rejected("symmetric filters of one order are neither refuted nor split on a response or reversal");
     }
   }
 

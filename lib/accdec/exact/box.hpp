@@ -26,6 +26,11 @@ struct SumBound {
   bool upper = false;
   double level = 0.0;
 };
+/// The first sample at which an axis that reverses at a corner moves as along leg 2.
+struct ReversalRange {
+  int corner = 0, axis = 0;
+  int first = 0, last = std::numeric_limits<int>::max();
+};
 /// Bounds low <= B_k <= high, k = 0 .. order + 1.
 struct Tube {
   std::vector<double> low, high;
@@ -51,6 +56,13 @@ struct Box {
   bool window = false;                ///< filters of any order by their taps 0 .. order, see window.hpp
   const ServoRamps* servo = nullptr;  ///< of the task's response; null: there is none
 
+  std::vector<ReversalRange> reversals{};  ///< from splits; others may be at any sample
+
+  ReversalRange reversal(int j, int axis) const {
+    for (const ReversalRange& range : reversals)
+      if (range.corner == j && range.axis == axis) return range;
+    return {j, axis};
+  }
   const CornerBox& corner(int j) const { return corners[static_cast<std::size_t>(j)]; }
   /// The least k - d of corner j. The last column of a window stands for all taps after it, too, and they are not in q.
   int first_out(std::size_t j) const {

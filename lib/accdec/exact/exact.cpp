@@ -19,11 +19,8 @@ void ExactRun::explain(DesignResult& result) const {
   if (result.status == Status::feasible) {
     result.message = stop             ? "stopped before the proof was complete"
                      : close_enough() ? "stopped at the gap asked for"
-                     : friction_reverses(task_)
-                         ? "whether there is a shorter design is open: the proof lets dry friction help an axis that "
-                           "reverses at every sample of the corner"
-                         : "the limits can be held only to within rounding at anything shorter: whether "
-                           "there is such a design is open";
+                                      : "the limits can be held only to within rounding at anything shorter: whether "
+                                        "there is such a design is open";
   } else if (!bench_.designs.best) {
     result.message =
         stop ? "stopped before a design was found"

@@ -94,6 +94,7 @@ SparseRow LimitModel::row(const proof::Row& id, const Box& box) const {
   if (const auto* tap = std::get_if<proof::TapDifference>(&id)) return rows.row(*tap, box);
   if (const auto* force = std::get_if<proof::EventForce>(&id)) return rows.row(*force, box);
   if (const auto* blend = std::get_if<proof::Blend>(&id)) return rows.row(*blend, box);
+  if (const auto* reversal = std::get_if<proof::Reversal>(&id)) return rows.row(*reversal, box);
   if (const auto* response = std::get_if<proof::Response>(&id)) return response_row(*response, box);
   if (const auto chord = chord_of(id)) return chords.row(*chord, box);
   throw std::logic_error("such a row is not sparse");

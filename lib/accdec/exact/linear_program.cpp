@@ -151,6 +151,8 @@ bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
     draft = drafts_.again(*range, box);
   } else if (const auto* blend = limit_of<proof::Blend>(name)) {
     draft = drafts_.again(*blend, box);
+  } else if (const auto* reversal = limit_of<proof::Reversal>(name)) {
+    draft = drafts_.again(*reversal, box);
   } else if (auto chord = chord_of(std::get<proof::Row>(name))) {
     draft = drafts_.again(*chord, box);
     if (draft != nullptr) name = row_of(*chord);

@@ -34,14 +34,26 @@ std::pair<Box, Box> parts(const Box& box, const proof::ContourSplit& split) {
   return both;
 }
 
+std::pair<Box, Box> parts(const Box& box, const proof::ReversalSplit& split) {
+  ReversalRange range = box.reversal(split.corner, split.axis);
+  Box rest = box;
+  std::erase_if(rest.reversals,
+                [&](const ReversalRange& r) { return r.corner == split.corner && r.axis == split.axis; });
+  std::pair<Box, Box> both{rest, std::move(rest)};
+  both.first.reversals.push_back({split.corner, split.axis, range.first, split.at});
+  range.first = split.at + 1;
+  both.second.reversals.push_back(range);
+  return both;
+}
+
 bool splits(const proof::Node& node) {
-  return std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::OrderSplit>(node) ||
-         std::holds_alternative<proof::ResponseSplit>(node) || std::holds_alternative<proof::SymmetricOrders>(node) ||
-         std::holds_alternative<proof::ContourSplit>(node);
+  return splits_corner(node) || std::holds_alternative<proof::OrderSplit>(node) ||
+         std::holds_alternative<proof::ResponseSplit>(node) || std::holds_alternative<proof::SymmetricOrders>(node);
 }
 
 bool splits_corner(const proof::Node& node) {
-  return std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::ContourSplit>(node);
+  return std::holds_alternative<proof::Split>(node) || std::holds_alternative<proof::ContourSplit>(node) ||
+         std::holds_alternative<proof::ReversalSplit>(node);
 }
 
 std::pair<Box, Box> parts(const Box& box, const proof::Node& node) {
@@ -49,6 +61,7 @@ std::pair<Box, Box> parts(const Box& box, const proof::Node& node) {
   if (const auto* order = std::get_if<proof::OrderSplit>(&node)) return parts(box, *order);
   if (const auto* split = std::get_if<proof::Split>(&node)) return parts(box, *split);
   if (const auto* contour = std::get_if<proof::ContourSplit>(&node)) return parts(box, *contour);
+  if (const auto* reversal = std::get_if<proof::ReversalSplit>(&node)) return parts(box, *reversal);
   throw std::logic_error("a node of a proof that is no split of a box has no parts");
 }
 

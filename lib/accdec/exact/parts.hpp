@@ -15,9 +15,10 @@ std::pair<Box, Box> parts(const Box& box, const proof::OrderSplit& split);
 std::pair<Box, Box> parts(const Box& box, const proof::ResponseSplit& split);
 /// Contour times up to one, and from there on.
 std::pair<Box, Box> parts(const Box& box, const proof::ContourSplit& split);
+std::pair<Box, Box> parts(const Box& box, const proof::ReversalSplit& split);
 /// @throws std::logic_error  of any other node
 std::pair<Box, Box> parts(const Box& box, const proof::Node& node);
-/// Whether two parts follow this node; whether they are of delays, samples or times of a corner.
+/// Whether two parts follow this node; whether they are of delays, samples, times or reversals of a corner.
 bool splits(const proof::Node& node);
 bool splits_corner(const proof::Node& node);
 /// The first node after this one and its parts, in a tree in preorder.

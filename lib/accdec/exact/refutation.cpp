@@ -5,6 +5,8 @@
 
 #include <accdec/exact/limit_model.hpp>
 #include <accdec/exact/range_cut.hpp>
+#include <accdec/exact/reversal.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -116,9 +118,13 @@ class WeightedSum {
   template <class Limit>
   requires std::is_same_v<Limit, proof::TapDifference> || std::is_same_v<Limit, proof::EventForce>
   bool add(const Limit& id, double y) { return add(model_.rows.row(id, exact_box_), y); }
-  bool add(const proof::Blend& id, double y) {
-    const CornerBox& c = box_.corner(id.corner);
-    return c.d1 == c.d2 && add(model_.rows.row(id, exact_box_), y);
+  template <class Limit>
+  requires std::is_same_v<Limit, proof::Blend> || std::is_same_v<Limit, proof::Reversal>
+  bool add(const Limit& id, double y) {
+    if (!known_in(id, box_)) return false;
+    // An axis slower than this part of its feed may count as standing.
+    if constexpr (std::is_same_v<Limit, proof::Reversal>) rhs_ += id.sign < 0 ? y * 2.0 * still_part : 0.0;
+    return add(model_.rows.row(id, exact_box_), y);
   }
   bool add(const proof::Response& id, double y) {
     if (id.sample > exact_box_.order) return true;

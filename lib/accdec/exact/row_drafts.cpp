@@ -3,6 +3,7 @@
 
 #include <accdec/exact/dual_simplex.hpp>
 #include <accdec/exact/range_cut.hpp>
+#include <accdec/exact/reversal.hpp>
 #include <accdec/exact/row_drafts.hpp>
 #include <accdec/exact/window.hpp>
 
@@ -148,8 +149,13 @@ const DraftRow* RowDrafts::again(const proof::RangeError& id, const Box& box) {
 }
 
 const DraftRow* RowDrafts::again(const proof::Blend& id, const Box& box) {
-  const CornerBox& c = box.corner(id.corner);
-  if (c.d1 != c.d2 || (window_ && !inside_window(id, box, model_.rows.smoothing()))) return nullptr;
+  if (!known_in(id, box) || (window_ && !inside_window(id, box, model_.rows.smoothing()))) return nullptr;
+  const SparseRow row = model_.rows.row(id, box);
+  return row.no_terms() ? nullptr : &limit(row, 1.0, false);
+}
+
+const DraftRow* RowDrafts::again(const proof::Reversal& id, const Box& box) {
+  if (!known_in(id, box)) return nullptr;
   const SparseRow row = model_.rows.row(id, box);
   return row.no_terms() ? nullptr : &limit(row, 1.0, false);
 }

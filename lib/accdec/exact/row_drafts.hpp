@@ -56,6 +56,7 @@ class RowDrafts {
   const DraftRow* again(const proof::Error& id, const Box& box);
   const DraftRow* again(const proof::RangeError& id, const Box& box);
   const DraftRow* again(const proof::Blend& id, const Box& box);
+  const DraftRow* again(const proof::Reversal& id, const Box& box);
   const DraftRow* again(const proof::Vibration& id, const Box& box);
   const DraftRow* again(Chord& chord, const Box& box);
 

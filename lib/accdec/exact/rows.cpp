@@ -27,11 +27,13 @@ struct RowBuilder {
 };
 
 /// How much dry friction takes from a force to one side, N, while two legs meet. An axis that keeps its direction has
-/// friction against it. One that reverses has it on either side, so it may help at every sample.
-double friction_help(const Axis& axis, const Legs& v, int sign) {
+/// friction against it. One that reverses pushes to leg 2's side all the time. Before it moves there, friction helps.
+double friction_help(const Axis& axis, const Legs& v, int sign, bool reversed) {
   if (axis.coulomb == 0.0) return 0.0;
-  if (v.in * v.out < 0.0) return axis.coulomb;
-  return v.in + v.out > 0.0 ? -sign * axis.coulomb : sign * axis.coulomb;
+  const bool reverses = v.in * v.out < 0.0;
+  if (reverses && !reversed) return axis.coulomb;
+  const double along = reverses ? v.out : v.in + v.out;
+  return along > 0.0 ? -sign * axis.coulomb : sign * axis.coulomb;
 }
 
 }  // namespace
@@ -141,7 +143,8 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
   if (id.limit == LimitKind::force || id.limit == LimitKind::force_speed) {
     const ForceRow force = force_row(id.axis, id.limit == LimitKind::force ? -1 : id.line, id.sign, id.direction);
     acceleration(k, id.sign * axis.mass / force.bound);
-    b.row.constant += (force.drag * v.in - friction_help(axis, v, id.sign)) / force.bound;
+    const bool reversed = k >= box.reversal(id.corner, id.axis).last;
+    b.row.constant += (force.drag * v.in - friction_help(axis, v, id.sign, reversed)) / force.bound;
     b.response(k, -force.drag * v.in / force.bound);
     b.response(k - d, force.drag * v.out / force.bound);
     return std::move(b.row);
@@ -150,6 +153,18 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
   const double bound = period_to_the_[static_cast<std::size_t>(limit.differences)] * axis.*limit.bound;
   for (int j = 0; j <= limit.differences; ++j)
     acceleration(k - j, id.sign * difference_weight(limit.differences, j) / bound);
+  return std::move(b.row);
+}
+
+/// The speed in leg 2's direction, in parts of the faster feed: not below 0, or not above 0.
+SparseRow ConvexRows::row(const proof::Reversal& id, const Box& box) const {
+  RowBuilder b{box.order + smoothing_.order()};
+  const TaskCorner& corner = task_.corners[static_cast<std::size_t>(id.corner)];
+  const Legs v = legs(corner, static_cast<std::size_t>(id.axis));
+  const double c = (v.out > 0.0 ? -id.sign : id.sign) / std::max(corner.geometry().feed_in, corner.geometry().feed_out);
+  b.row.constant += 1.0 + c * v.in;
+  b.response(id.sample, -c * v.in);
+  b.response(id.sample - box.corner(id.corner).d1, c * v.out);
   return std::move(b.row);
 }
 
@@ -178,6 +193,21 @@ void ConvexRows::add_broken_event_forces(const Filter& command, std::size_t a, d
   }
 }
 
+void ConvexRows::add_broken_reversals(const Filter& command, const Box& box, double slack,
+                                      std::vector<proof::Row>& out) const {
+  for (const ReversalRange& range : box.reversals) {
+    const CornerBox& c = box.corner(range.corner);
+    if (c.d1 != c.d2) continue;
+    for (const proof::Reversal& id : {proof::Reversal{range.corner, range.axis, range.first - 1, -1},
+                                      proof::Reversal{range.corner, range.axis, range.last, 1}}) {
+      const SparseRow reversal = row(id, box);
+      double value = reversal.constant;
+      for (const auto& [k, coefficient] : reversal.sums) value += coefficient * command.cumulative(k);
+      if (value > 1.0 + slack) out.push_back(id);
+    }
+  }
+}
+
 void ConvexRows::add_broken_curve(const Filter& command, const Box& box, std::size_t j, std::size_t a, double slack,
                                   std::vector<proof::Row>& out) const {
   const Axis& axis = task_.machine.axes[a];
@@ -189,10 +219,12 @@ void ConvexRows::add_broken_curve(const Filter& command, const Box& box, std::si
         axis.mass * (v.out * command.tap(k - 1 - d) - v.in * command.tap(k - 1)) / task_.sample_period +
         axis.damping * speed;
     const int direction = speed < 0.0 ? -1 : 1;
+    const bool reversed = k >= box.reversal(static_cast<int>(j), static_cast<int>(a)).last;
     for (const int sign : {1, -1}) {
       for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
         const ForceLine& of = lines_[a][static_cast<std::size_t>(line)];
-        if (sign * force + of.slope * std::abs(speed) > (of.force + friction_help(axis, v, sign)) * (1.0 + slack))
+        if (sign * force + of.slope * std::abs(speed) >
+            (of.force + friction_help(axis, v, sign, reversed)) * (1.0 + slack))
           out.push_back(
               proof::Blend{LimitKind::force_speed, static_cast<int>(j), static_cast<int>(a), k, sign, line, direction});
       }
@@ -206,6 +238,7 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
   const Filter& command = smoothing_.command(filter, made);
   const double t = task_.sample_period;
   for (std::size_t a = 0; a < lines_.size(); ++a) add_broken_event_forces(command, a, slack, broken);
+  add_broken_reversals(command, box, slack, broken);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     if (box.corners[j].d1 != box.corners[j].d2) continue;
     const int d = box.corners[j].d1;
@@ -218,6 +251,7 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
       for (const AxisLimit& limit : axis_limits)
         if (limit.differences >= 0 && axis.*limit.bound < unlimited) bounded.push_back(&limit);
       const bool forced = axis.force_max < unlimited;
+      const int reversed = box.reversal(static_cast<int>(j), static_cast<int>(a)).last;
       std::size_t used = forced ? 1 : 0;
       for (const AxisLimit* limit : bounded) used = std::max(used, static_cast<std::size_t>(limit->differences) + 1);
       std::array<double, most_differences + 1> difference{};  // of the acceleration, over T each time
@@ -233,7 +267,7 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
         if (!forced) continue;
         const double force = axis.mass * difference[0] +
                              axis.damping * (v.in * command.remaining(k) + v.out * command.cumulative(k - d));
-        test(LimitKind::force, force, axis.force_max + friction_help(axis, v, force > 0.0 ? 1 : -1));
+        test(LimitKind::force, force, axis.force_max + friction_help(axis, v, force > 0.0 ? 1 : -1, k >= reversed));
       }
     }
   }

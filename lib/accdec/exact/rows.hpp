@@ -77,7 +77,9 @@ class ConvexRows {
   SparseRow row(const proof::TapDifference& id, const Box& box) const;
   SparseRow row(const proof::EventForce& id, const Box& box) const;
   SparseRow row(const proof::Blend& id, const Box& box) const;
-  /// Blend rows that `taps` breaks by more than `slack`, and rows of starts and stops along force-speed curves.
+  SparseRow row(const proof::Reversal& id, const Box& box) const;
+  /// Rows of blends and reversals that a filter breaks by more than `slack`, and rows of starts and stops along
+  /// force-speed curves.
   std::vector<proof::Row> broken_blend_rows(const Filter& filter, const Box& box, double slack) const;
   /// Bound of a vibration row. For a mode of an axis it follows from the speeds of starts and stops, or of the row's
   /// blend. Infinite: no bound, or the box has several delays of that corner, or its delay is the longest and stands
@@ -98,6 +100,7 @@ class ConvexRows {
   ForceRow force_row(int axis, int line, double sign, double direction) const;
   void add_broken_event_forces(const Filter& command, std::size_t axis, double slack,
                                std::vector<proof::Row>& out) const;
+  void add_broken_reversals(const Filter& command, const Box& box, double slack, std::vector<proof::Row>& out) const;
   void add_broken_curve(const Filter& command, const Box& box, std::size_t corner, std::size_t axis, double slack,
                         std::vector<proof::Row>& out) const;
 

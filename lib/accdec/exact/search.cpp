@@ -2,6 +2,7 @@
 
 #include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/parts.hpp>
+#include <accdec/exact/reversal.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/task/objective.hpp>
 
@@ -84,7 +85,7 @@ BoxState Search::refute(Box box) {
     return bench_.close_by(draft_.keep(std::move(outcome.multipliers), one ? box.corners.front() : CornerBox{.k1 = 1}));
   const bool is_single = single(model_, box);
   const std::optional<proof::Node> contour = is_single ? contour_split(box, outcome) : std::nullopt;
-  if (is_single && !contour) return go_on(refute_single(std::move(box), std::move(outcome)), whole);
+  if (is_single && !contour) return go_on(refute_single(whole, std::move(box), std::move(outcome)), whole);
   if (outcome.filter && (!one || may_be_shorter(*outcome.filter, box))) designs_.offer(*outcome.filter);
   const auto found = [&] { return bench_.below_target(); };
   if (found()) return go_on(BoxState::found, whole);
@@ -93,6 +94,10 @@ BoxState Search::refute(Box box) {
                            : alone && outcome.filter ? branching_.split_alone(*outcome.filter, box)
                                                      : widest_split(model_, box);
   if (found()) return BoxState::found;
+  return refute_parts(whole, node);
+}
+
+BoxState Search::refute_parts(const Box& whole, const proof::Node& node) {
   draft_.add(node);
   const auto [first, second] = parts(whole, node);
   return both(refute(first), [&, part = &second] { return refute(*part); });
@@ -112,7 +117,7 @@ std::optional<proof::Node> Search::contour_split(const Box& box, const Outcome& 
 }
 
 /// Refutes a box of one delay and one sample for every corner.
-BoxState Search::refute_single(Box box, Outcome outcome) {
+BoxState Search::refute_single(const Box& whole, Box box, Outcome outcome) {
   if (by_chords_) return reach_by_chords(box, outcome);
   if (!model_.convex()) {
     if (!task_.design.symmetric) return sums_.refute(std::move(box), false);
@@ -123,6 +128,7 @@ BoxState Search::refute_single(Box box, Outcome outcome) {
     return both(state, [&] { return sums_.refute(box, true); });
   }
   const auto found = [&](const Filter& filter, const Box& of) {
+    if (const auto node = missed_reversal(model_, filter, of)) return refute_parts(whole, *node);
     designs_.offer(filter, at_crossings(model_, filter, of), task_.design.symmetric);
     return bench_.below_target() ? BoxState::found : bench_.undecided();
   };

@@ -53,7 +53,8 @@ class Search {
   BoxState reach_by_chords(const Box& box, const Outcome& outcome);
   BoxState go_on(BoxState state, const Box& box);
   BoxState refute(Box box);
-  BoxState refute_single(Box box, Outcome outcome);
+  BoxState refute_parts(const Box& whole, const proof::Node& node);
+  BoxState refute_single(const Box& whole, Box box, Outcome outcome);
   std::optional<proof::Node> contour_split(const Box& box, const Outcome& outcome);
   bool may_be_shorter(const Filter& filter, const Box& box) const;
 

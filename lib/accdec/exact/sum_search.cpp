@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <accdec/exact/parts.hpp>
+#include <accdec/exact/reversal.hpp>
 #include <accdec/exact/sum_search.hpp>
 
 namespace accdec::exact {
@@ -45,14 +47,11 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
   return split;
 }
 
-BoxState SumSearch::split(const Box& box, const SumBound& at, bool symmetric, int depth) {
-  if (at.sample == 0) return bench_.undecided();
-  draft_.add(proof::ResponseSplit{at.sample, at.level});
-  Box first = box, second = box;
-  first.path.push_back({at.sample, true, at.level});
-  second.path.push_back({at.sample, false, at.level});
+BoxState SumSearch::split(const Box& box, const proof::Node& node, bool symmetric, int depth) {
+  draft_.add(node);
+  auto [first, second] = parts(box, node);
   return both(refute(std::move(first), symmetric, depth + 1),
-              [&] { return refute(std::move(second), symmetric, depth + 1); });
+              [&, part = &second] { return refute(std::move(*part), symmetric, depth + 1); });
 }
 
 BoxState SumSearch::refute(Box box, bool symmetric, int depth) {
@@ -69,19 +68,23 @@ BoxState SumSearch::refute(Box box, bool symmetric, int depth) {
       const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
       if (high - low > widest) widest = high - low, middle = {k, true, 0.5 * (low + high)};
     }
-    return split(box, middle, symmetric, depth);
+    if (middle.sample == 0) return bench_.undecided();
+    return split(box, proof::ResponseSplit{middle.sample, middle.level}, symmetric, depth);
   }
   const auto found = [&](const Filter& filter) {
     designs_.offer(filter, box, symmetric);
     return bench_.below_target();
   };
+  // Reversals first: their samples are few.
+  if (const auto node = missed_reversal(model_, *outcome.filter, box)) return split(box, *node, symmetric, depth);
   const auto at = widest_break(model_, *outcome.filter, box);
   if (!at) return found(*outcome.filter) ? BoxState::found : bench_.undecided();
   if (depth % 8 == 0) {
     const auto repaired = bench_.relaxation().repair(box, symmetric, *outcome.filter);
     if (repaired && found(*repaired)) return BoxState::found;
   }
-  return split(box, *at, symmetric, depth);
+  if (at->sample == 0) return bench_.undecided();
+  return split(box, proof::ResponseSplit{at->sample, at->level}, symmetric, depth);
 }
 
 }  // namespace accdec::exact

@@ -25,7 +25,7 @@ class SumSearch {
   BoxState refute(Box box, bool symmetric, int depth = 0);
 
  private:
-  BoxState split(const Box& box, const SumBound& at, bool symmetric, int depth);
+  BoxState split(const Box& box, const proof::Node& node, bool symmetric, int depth);
 
   Workbench& bench_;
   const LimitModel& model_;

@@ -4,6 +4,7 @@
 #include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/corner_error.hpp>
 #include <accdec/exact/parts.hpp>
+#include <accdec/exact/reversal.hpp>
 #include <accdec/exact/sum_search.hpp>
 #include <accdec/exact/together_search.hpp>
 #include <accdec/exact/window.hpp>
@@ -36,7 +37,7 @@ bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size
     if (i != j) one.corners[i].d1 = 0, one.corners[i].d2 = 1;
   }
   one.corners[j].d1 = one.corners[j].d2 = delay;
-  const auto broken = bench_.model().rows.broken_blend_rows(filter, one, 1e-9);
+  const auto broken = bench_.model().rows.broken_blend_rows(filter, at_reversals(bench_.model(), filter, one), 1e-9);
   if (std::any_of(broken.begin(), broken.end(), [&](const proof::Row& id) {
         return !box.window || inside_window(id, one, bench_.model().rows.smoothing());
       }))
@@ -76,7 +77,9 @@ std::optional<proof::Node> TogetherSearch::split(const Filter& filter, const Box
   const auto missed = missed_contour(bench_.model(), filter, box);
   if (missed && missed->by > std::max(0.0, chosen.gain)) return proof::ContourSplit{missed->corner, missed->at};
   if (chosen.gain > -std::numeric_limits<double>::infinity()) return chosen.split;
-  if (bench_.model().convex() || box.window) return std::nullopt;
+  if (box.window) return std::nullopt;
+  if (const auto reversal = missed_reversal(bench_.model(), filter, box)) return *reversal;
+  if (bench_.model().convex()) return std::nullopt;
   const auto broken = widest_break(bench_.model(), filter, box, &among_);
   if (!broken) return std::nullopt;
   // Rounding decides here: nothing is left to split.
@@ -129,6 +132,9 @@ BoxState TogetherSearch::refute_like(const std::vector<proof::Node>& tree, std::
     if (counts && contour->at > c.c1 && contour->at < c.c2) return both_like(tree, node, whole, depth);
     // A corner that does not count any more, or a time outside its range.
     return refute_like(tree, !counts || contour->at >= c.c2 ? first : second, whole, depth);
+  } else if (const auto* reversal = std::get_if<proof::ReversalSplit>(&tree[node])) {
+    if (among_[static_cast<std::size_t>(reversal->corner)] == 0) return refute_like(tree, node + 1, whole, depth);
+    return both_like(tree, node, whole, depth);
   } else if (std::holds_alternative<proof::ResponseSplit>(tree[node])) {
     return both_like(tree, node, whole, depth);
   }
@@ -185,6 +191,7 @@ std::vector<char> TogetherSearch::corners_used(const std::vector<proof::Node>& t
   for (const proof::Node& node : tree) {
     if (const auto* split = std::get_if<proof::Split>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
     if (const auto* split = std::get_if<proof::ContourSplit>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
+    if (const auto* split = std::get_if<proof::ReversalSplit>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
     const auto* refuted = std::get_if<proof::Refuted>(&node);
     if (refuted == nullptr) continue;
     for (const auto& [id, y] : multipliers()[static_cast<std::size_t>(refuted->multipliers)]) {

@@ -43,6 +43,9 @@ auto parts(const proof::RangeError& r) {
 auto parts(const proof::Contour& r) {
   return std::tuple(Name("contour"), r.corner, r.out);
 }
+auto parts(const proof::Reversal& r) {
+  return std::tuple(Name("reversal"), r.corner, r.axis, r.sample, r.sign);
+}
 auto parts(const proof::Budget&) {
   return std::tuple(Name("budget"));
 }
@@ -69,6 +72,42 @@ auto parts(const proof::Speed& r) {
 }
 auto parts(const proof::Response& r) {
   return std::tuple(Name("response"), r.sample, r.sign);
+}
+
+// Nodes: null, a name, a number or a list.
+
+auto parts(const proof::TooLong&) {
+  return nullptr;
+}
+auto parts(const proof::Unreachable&) {
+  return Name("unreachable");
+}
+auto parts(const proof::Refuted& n) {
+  return n.multipliers;
+}
+auto parts(const proof::RefutedSymmetric& n) {
+  return std::tuple(n.multipliers, n.shorter);
+}
+auto parts(const proof::SymmetricOrders&) {
+  return std::tuple(Name("symmetric"));
+}
+auto parts(const proof::Split& n) {
+  return std::tuple(n.corner, Name(n.on_delay ? "d" : "k"), n.at);
+}
+auto parts(const proof::ContourSplit& n) {
+  return std::tuple(n.corner, Name("c"), n.at);
+}
+auto parts(const proof::ReversalSplit& n) {
+  return std::tuple(n.corner, Name("r"), n.axis, n.at);
+}
+auto parts(const proof::OrderSplit& n) {
+  return std::tuple(Name("N"), n.at);
+}
+auto parts(const proof::ResponseSplit& n) {
+  return std::tuple(n.sample, Name("B"), n.level);
+}
+auto parts(const proof::ByLemma& n) {
+  return std::tuple(Name("lemma"), n.lemma);
 }
 
 /// Writes a certificate directly as text: writing it as a tree of values takes longer than many proofs.
@@ -167,18 +206,8 @@ class Writer {
     std::visit([&](const auto& row) { put(std::tuple_cat(parts(row), last)); }, term.row);
   }
   void put(const proof::Node& node) {
-    std::visit([&](const auto& n) { put_node(n); }, node);
+    std::visit([&](const auto& n) { put(parts(n)); }, node);
   }
-  void put_node(const proof::TooLong&) { put(nullptr); }
-  void put_node(const proof::Unreachable&) { put(Name("unreachable")); }
-  void put_node(const proof::Refuted& n) { put(n.multipliers); }
-  void put_node(const proof::RefutedSymmetric& n) { put(std::tuple(n.multipliers, n.shorter)); }
-  void put_node(const proof::SymmetricOrders&) { put(std::tuple(Name("symmetric"))); }
-  void put_node(const proof::Split& n) { put(std::tuple(n.corner, Name(n.on_delay ? "d" : "k"), n.at)); }
-  void put_node(const proof::ContourSplit& n) { put(std::tuple(n.corner, Name("c"), n.at)); }
-  void put_node(const proof::OrderSplit& n) { put(std::tuple(Name("N"), n.at)); }
-  void put_node(const proof::ResponseSplit& n) { put(std::tuple(n.sample, Name("B"), n.level)); }
-  void put_node(const proof::ByLemma& n) { put(std::tuple(Name("lemma"), n.lemma)); }
 
   void put(const proof::CornerDelay& d) { put(std::tuple(d.corner, d.delay)); }
   void put(const proof::Lemma& lemma) {

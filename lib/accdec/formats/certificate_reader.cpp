@@ -104,6 +104,7 @@ proof::Row read_row(const Entry& e) {
   if (is("error", 2)) return proof::Error{e.integer(1), e.number(2)};
   if (is("range error", 8)) return proof::RangeError{e.integer(1), e.number(2), read_tangent(e, 3), read_tangent(e, 6)};
   if (is("contour", 2)) return proof::Contour{e.integer(1), e.boolean(2)};
+  if (is("reversal", 4)) return proof::Reversal{e.integer(1), e.integer(2), e.integer(3), e.integer(4)};
   if (is("budget", 0)) return proof::Budget{};
   if (is("vibration", 3)) return proof::Vibration{e.integer(1), e.number(2), e.number(3)};
   if (is("damped vibration", 4)) return proof::Vibration{e.integer(1), e.number(2), e.number(4), e.number(3)};
@@ -127,6 +128,7 @@ proof::Node read_node(const Entry& e) {
   if (e.size() == 2) return proof::RefutedSymmetric{e.integer(0), e.integer(1)};
   if (e.size() == 3 && e.is_text(1, "B")) return proof::ResponseSplit{e.integer(0), e.number(2)};
   if (e.size() == 3 && e.is_text(1, "c")) return proof::ContourSplit{e.integer(0), e.number(2)};
+  if (e.size() == 4 && e.is_text(1, "r")) return proof::ReversalSplit{e.integer(0), e.integer(2), e.integer(3)};
   if (e.size() == 3 && e.is_text(1)) {
     if (!e.is_text(1, "d") && !e.is_text(1, "k")) e.fail(1, "the tree splits neither a delay nor a sample nor a time");
     return proof::Split{e.integer(0), e.is_text(1, "d"), e.integer(2)};

@@ -218,7 +218,9 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
                           : fmt::format("no parts of the log to compare: widen the ranges by hand, {:.0f} % is assumed",
                                         100.0 * spread_least));
     text += fmt::format("frequency_Hz = [{:.5g}, {:.5g}]\n", rounded(held.frequency_low), rounded(held.frequency_high));
-    text += fmt::format("damping_ratio = [{:.3g}, {:.3g}]\n", held.damping_low, held.damping_high);
+    const std::string low = fmt::format("{:.3g}", held.damping_low), high = fmt::format("{:.3g}", held.damping_high);
+    text +=
+        low == high ? fmt::format("damping_ratio = {}\n", low) : fmt::format("damping_ratio = [{}, {}]\n", low, high);
     text += fmt::format("residual_max = {:g}\n", residual);
   }
   return text;

@@ -5,11 +5,8 @@
 namespace accdec {
 
 /// Whether the filters that hold all limits, for a given order, delays and samples, are a convex set. They are if no
-/// axis bounds power or regeneration, no corner has a smallest speed, and no supply is shared. Dry friction of an axis
-/// that reverses is not convex either.
+/// axis bounds power or regeneration, no corner has a smallest speed, and no supply is shared. If an axis with dry
+/// friction reverses, the sample at which it does is one of the samples given.
 bool is_convex(const Task& task);
-
-/// Whether an axis with dry friction and a bounded force reverses at a corner.
-bool friction_reverses(const Task& task);
 
 }  // namespace accdec

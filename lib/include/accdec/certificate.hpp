@@ -72,6 +72,11 @@ struct Contour {
   bool out = false;  ///< leg 2's
   bool operator==(const Contour&) const = default;
 };
+/// An axis with dry friction that reverses at a corner: at this sample it moves as along leg 2 (sign 1), or not yet.
+struct Reversal {
+  int corner = 0, axis = 0, sample = 0, sign = 1;
+  bool operator==(const Reversal&) const = default;
+};
 /// The bound that the target puts on all delays together.
 struct Budget {
   bool operator==(const Budget&) const = default;
@@ -112,7 +117,7 @@ struct Response {
 };
 
 using Row = std::variant<TapDifference, EventForce, Blend, Error, RangeError, Budget, Vibration, EventPower, BlendPower,
-                         Speed, Response, Contour>;
+                         Speed, Response, Contour, Reversal>;
 struct Term {
   Row row;
   double multiplier = 0.0;  ///< >= 0
@@ -158,6 +163,12 @@ struct ContourSplit {
   double at = 0.0;
   bool operator==(const ContourSplit&) const = default;
 };
+/// The first sample at which an axis that reverses at a corner moves as along leg 2: at most `at` in the first part,
+/// above it in the second.
+struct ReversalSplit {
+  int corner = 0, axis = 0, at = 0;
+  bool operator==(const ReversalSplit&) const = default;
+};
 /// Order of the filter: at most `at` in the first part, above it in the second.
 struct OrderSplit {
   int at = 0;
@@ -177,7 +188,7 @@ struct ByLemma {
 };
 
 using Node = std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit,
-                          ResponseSplit, ByLemma, ContourSplit>;
+                          ResponseSplit, ByLemma, ContourSplit, ReversalSplit>;
 
 // ---- Lemmas: no filter has delays of at most these for these corners together, whatever delays the others have. They
 // are proved once and used all over a tree.
