@@ -43,7 +43,7 @@ def known(certificate, kinds):
     refuse_if(not right, f"a certificate of the kind {kind!r} and schema {schema!r}", NotCovered)
     wrong = [key for key, x in certificate.items()
              if key not in {"kind", "schema"} | MEMBERS[kind] or isinstance(x, list) != (key in LISTS)
-             or x is None and key != "bound_samples"]
+             or x is None and key != "bound_samples" or key == "conflict" and {*map(type, x)} - {str}]
     refuse_if(wrong, f"a certificate of the kind {kind!r} with such members {wrong}", NotCovered)
     return certificate
 

@@ -36,11 +36,11 @@ Mode = namedtuple("Mode", "low high least_damping most_damping residual")
 
 def tables_of(task, name):
     """All tables of a name, whose keys are known."""
-    tables = [task] if name == "task" else task.get(name, [])
-    tables = tables if isinstance(tables, list) else [tables]
-    for table in tables:
-        unknown = sorted(set(table) - KEYS[name])
-        refuse_if(unknown, f"a table `{name}` with the keys {unknown}", NotCovered)
+    many = name in ("axis", "corner", "mode")
+    tables = task if name == "task" else task.get(name, [] if many else {})
+    refuse_if(type(tables) is not (list if many else dict), f"`{name}` is not a {'list' if many else 'table'}")
+    for table in (tables := tables if many else [tables]):
+        refuse_if(unknown := sorted(set(table) - KEYS[name]), f"a table `{name}` with the keys {unknown}", NotCovered)
     return tables
 
 
@@ -130,7 +130,7 @@ def read_mode(table):
 def read(task):
     """From the member `task` of a result file."""
     tables = {name: tables_of(task, name) for name in KEYS}
-    design = (tables["design"] or [{}])[0]
+    design, = tables["design"]
     period = number(task["sample_period_ms"]) / 1000
     corners = [read_corner(table, len(tables["axis"])) for table in tables["corner"]]
     fastest = max((c.fastest for c in corners), default=0)

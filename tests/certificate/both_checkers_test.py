@@ -165,6 +165,16 @@ class CornerSpeed(BothCheckers):
         self.assertLess(time.monotonic() - began, 60)
 
 
+    def test_smoothing_does_not_help(self):
+        """The filter and the control's smoothing are one filter, too, with the same limits."""
+        result = designed(JERK + "[controller]\nprefilter_taps = [0.5, 0.25, 0.25]\n")
+        self.assertEqual((result["status"], result["certificate"]["kind"]), ("infeasible", "corner speed"))
+        self.both(result, True)
+        for axis in result["task"]["axis"]:  # as good as none
+            axis |= {"acceleration_max_mm_s2": 1e7, "jerk_max_mm_s3": 1e11}
+        self.both(result, "")
+
+
 TURNING = """sample_period_ms = 1
 [design]
 order_max = 80
@@ -204,6 +214,35 @@ class Reversals(BothCheckers):
                 self.both(dict(result, certificate=result["certificate"] | {"multipliers": [s + [row] for s in sets]}), "")
 
 
+STRAIGHT = """sample_period_ms = 1
+[design]
+order_max = 40
+[[axis]]
+acceleration_max_mm_s2 = 100000
+[[corner]]
+name = "A"
+{legs}
+feed_in_mm_min = 1200
+delay_samples = 5
+speed_min_mm_s = 12
+"""
+
+
+class StraightCorners(BothCheckers):
+    """The speed falls by the sum of five taps that follow each other. None may be above 2/5, so eleven taps are needed:
+    2/5, 2/5 and 1/5 at 0, 5 and 10."""
+
+    def test_smallest_speeds(self):
+        for legs in ("angle_deg = 180", "angle_deg = 180\nheading_deg = 30",
+                     "direction_in = [0.76, 0.65]\ndirection_out = [7.6, 6.5]"):
+            result = designed(STRAIGHT.format(legs=legs))
+            self.assertEqual((result["status"], round(result["cycle_time_s"], 12)), ("optimal", 0.016), legs)
+            self.assertIn("speed", {row[0] for rows in result["certificate"]["multipliers"] for row in rows})
+            self.both(result, True)
+            result["task"]["corner"][0]["speed_min_mm_s"] = 9  # then six taps do
+            self.both(result, "")
+
+
 class Rows(BothCheckers):
     def test_rows_without_terms_say_nothing(self):
         """Friction at the feed takes 2 of 1000 N. That is left to spare, however large the multiplier."""
@@ -236,7 +275,7 @@ class Format(BothCheckers):
 
     def test_members(self):
         for members in ({"bound_samples": None}, {"smoothed": "no"}, {"smoothed": True}, {"conflict": 5}, {"lemmas": {}},
-                        {"lemmas": None}, {"tolerance": None}, {"corner_of": None}, {"junk": 1}):
+                        {"lemmas": None}, {"tolerance": None}, {"corner_of": None}, {"junk": 1}, {"conflict": [5, {}]}):
             self.refused(self.taps, **members)
         for members in ({"schema": "accdec.certificate/99"}, {"junk": 1}):
             self.refused(self.given, **members)
@@ -246,6 +285,12 @@ class Format(BothCheckers):
         self.refused(self.family, taps=self.family["certificate"]["taps"] | {"schema": "accdec.certificate/2"})
         for schema in ({"schema": "accdec.result/2"}, {"schema": None}):
             self.refused(dict(self.taps, **schema))
+
+    def test_tables_of_the_task(self):
+        task = self.taps["task"]
+        for tables in ({"design": [task["design"]]}, {"axis": task["axis"][0]}, {"corner": task["corner"][0]},
+                       {"controller": []}, {"mode": {}}, {"design": None}):
+            self.both(dict(self.taps, task=task | tables), next(iter(tables)))
 
     def test_rows_that_no_proof_uses(self):
         sets = self.taps["certificate"]["multipliers"]

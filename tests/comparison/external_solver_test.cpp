@@ -158,18 +158,6 @@ TEST_F(ExternalScript, MemoryIsLimited) {
   EXPECT_THAT(limited.message, HasSubstr("may have 200 MB each"));
 }
 
-TEST(ExternalCommandWords, QuotesGroupAndPlacesAreFilled) {
-  using Words = std::vector<std::string>;
-  const std::map<std::string, std::string> places{{"nl", "/a b/{answer}"}, {"answer", "out"}};
-  EXPECT_EQ(comparison::command_words(" x  {nl}\t-o={answer} ", places), (Words{"x", "/a b/{answer}", "-o=out"}));
-  EXPECT_EQ(comparison::command_words("sh -c 'm \"{nl}\" > {answer}' '' \"it's\"", places),
-            (Words{"sh", "-c", "m \"/a b/{answer}\" > out", "", "it's"}));
-  EXPECT_EQ(comparison::command_words("awk '{{print}}'", places), (Words{"awk", "{print}"}));
-  for (const char* bad : {"x {foo}", "x {answer", "x }", "x {", "x {}", "x {nl {answer}", "x 'a", "x \"a' {nl}"}) {
-    EXPECT_THROW(comparison::command_words(bad, places), std::invalid_argument) << bad;
-  }
-}
-
 class ExternalCommand : public testing::CompareCommand {};
 
 TEST_F(ExternalCommand, RunGoesOnWithABrokenSolver) {
@@ -212,44 +200,6 @@ order = 34
 )";
 
 // Whole designs: a script per fault. Each is recorded with its reason, and the run goes on to the exact method.
-// An outsider changes his program, and installs one that was missing.
-TEST_F(ExternalCommand, AnswersOfAnOtherProgramAreComputedAgain) {
-  const std::string path = (home_ / "later").string();
-  testing::write(home_ / "suite.toml", R"(title = "Mini"
-starts = 1
-repeats = 1
-time_limit_s = 5
-[[external]]
-name = "script"
-command = "sh {suite}/script.sh {nl} {answer}"
-reads = "nl"
-answer = "values"
-[[external]]
-name = "later"
-command = ")" + path + R"( {nl} {answer}"
-reads = "nl"
-answer = "values"
-[[problem]]
-name = "corner"
-task = ")" + test_support::source_folder() +
-                                           R"(/problems/corner/acceleration-jerk.toml"
-formulation = "margin"
-order = 30
-)");
-  const auto script = [&](const char* name, const std::string& claim) {
-    testing::write(home_ / name, "#!/bin/sh\necho " + claim + " > \"$2\"\n");
-    std::filesystem::permissions(home_ / name, std::filesystem::perms::owner_all);
-  };
-  script("script.sh", "infeasible");
-  const auto compared = [&] { return run("compare suite.toml --out out").output; };
-  EXPECT_THAT(compared(), HasSubstr(": 3 entries computed"));
-  EXPECT_THAT(compared(), HasSubstr(": 0 entries computed"));
-  script("script.sh", "failed");
-  EXPECT_THAT(compared(), HasSubstr(": 1 entries computed"));
-  script("later", "failed");
-  EXPECT_THAT(compared(), HasSubstr(": 1 entries computed"));
-}
-
 TEST_F(ExternalCommand, FaultsOnDesignsAreRecordedAndTheRunGoesOn) {
   const struct {
     const char *name, *script, *claim, *message;

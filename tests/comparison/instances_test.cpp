@@ -17,7 +17,7 @@
 #include <accdec/exact/exact.hpp>
 #include <accdec/verify.hpp>
 
-#include "support/command_fixture.hpp"
+#include "instances_fixture.hpp"
 
 // Instances are read back by programs that are not ours: cbc, glpsol, csdp, cvxopt, and gjh_asl_json for .nl.
 // HiGHS has no reader in SciPy: it solves what a reader in Python reads.
@@ -27,84 +27,8 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
-
-std::string output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = ::popen(command.c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (std::fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
-  ::pclose(pipe);
-  return text;
-}
-
-/// Limits for which the shortest corner is 17 samples at order 14.
-constexpr const char* task_text = R"(sample_period_ms = 1.0
-[[axis]]
-acceleration_max_mm_s2 = 6000
-jerk_max_mm_s3 = 1500000
-[[corner]]
-name = "A"
-angle_deg = 95
-heading_deg = 30
-feed_in_mm_min = 2500
-error_max_um = 40
-)";
-
-class Instances : public testing::CommandInFolder {
- protected:
-  void SetUp() override {
-    CommandInFolder::SetUp();
-    testing::write(home_ / "task.toml", task_text);
-    testing::write(home_ / "ringing.toml",
-                   std::string(task_text) + "[[mode]]\nfrequency_Hz = [60, 70]\nresidual_max = 0.2\n");
-    testing::write(home_ / "suite.toml", R"(title = "Mini"
-solvers = ["ipopt"]
-[[problem]]
-name = "small corner"
-task = "task.toml"
-formulation = ["design", "margin", "delay"]
-order = 14
-[[problem]]
-name = "vibration"
-task = "ringing.toml"
-formulation = "margin"
-order = 14
-[[problem]]
-name = "power"
-task = "task.toml"
-set = { "axis.*.mass_kg" = 30, "axis.*.power_max_W" = 5, "corner.A.feed_out_mm_min" = 2000 }
-formulation = ["margin", "delay", "design"]
-order = 14
-[[problem]]
-name = "short"
-task = "task.toml"
-formulation = "margin"
-order = 4
-expected = "infeasible"
-)");
-  }
-
-  json write_all(const std::string& format) {
-    const testing::Outcome outcome = run("instances suite.toml --out " + format + " --format " + format);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-    return json::parse(testing::content(home_ / format / "manifest.json"));
-  }
-  /// The answer of another program; none if it is not installed.
-  std::optional<std::string> read_back(const std::string& tool, const std::string& file) {
-    const std::string answer =
-        output_of("/usr/bin/python3 '" + test_support::source_folder() + "/tests/comparison/read_back.py' " + tool +
-                  " '" + (home_ / file).string() + "' 2>&1");
-    if (answer == "missing\n") return std::nullopt;
-    return answer.substr(0, answer.size() - 1);
-  }
-  static json find(const json& manifest, const std::string& problem, const std::string& formulation) {
-    for (const json& entry : manifest["instances"]) {
-      if (entry["problem"] == problem && entry["formulation"] == formulation) return entry;
-    }
-    ADD_FAILURE() << problem;
-    return {};
-  }
-};
+using testing::Instances;
+using testing::output_of;
 
 // The optimum of an outer approximation by tangents lies below that of the cones, by at most cos(pi/64).
 TEST_F(Instances, LinearProgramsAreReadBackWithTheSameOptimum) {
@@ -258,58 +182,6 @@ TEST_F(Instances, NlHasOurValuesAndDerivatives) {
     ++compared;
   }
   EXPECT_EQ(compared, 8u);
-}
-
-// The whole choice is of free taps and delays. A task that narrows them is another problem, so nobody answers this one.
-TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
-  const struct {
-    const char *name, *lines, *key;
-  } tasks[] = {{"family", "[design]\nfamily = \"averages\"\n", "[design] family"},
-               {"bits", "[design]\ncoefficient_bits = 15\n", "[design] coefficient_bits"},
-               {"given", "[filter]\nkind = \"boxcar\"\norder = 12\n", "[filter]"},
-               {"control", "[controller]\nname = \"sinumerik-840d\"\n", "[controller] name"},
-               {"behind", "[controller]\nprefilter_taps = [0.5, 0.5]\n", "prefilter_taps"}};
-  std::string suite = "solvers = [\"exact\", \"ipopt\"]\nstarts = 1\nrepeats = 1\n";
-  for (const auto& t : tasks) {
-    testing::write(home_ / (std::string(t.name) + ".toml"), std::string(task_text) + t.lines);
-    suite +=
-        fmt::format("[[problem]]\nname = \"{0}\"\ntask = \"{0}.toml\"\nformulation = \"design\"\norder = 14\n", t.name);
-  }
-  testing::write(home_ / "suite.toml", suite);
-  const json manifest = write_all("nl");
-  for (const auto& t : tasks) {
-    const json entry = find(manifest, t.name, "design");
-    EXPECT_TRUE(entry["file"].is_null()) << entry;
-    EXPECT_THAT(entry.value("reason", ""), HasSubstr(t.key));
-    EXPECT_EQ(entry["optimum"]["proof"], "bound");
-    EXPECT_TRUE(entry["optimum"]["certificate"].is_null()) << entry;
-  }
-  const testing::Outcome outcome = run("compare suite.toml --out out");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  std::istringstream lines(testing::content(home_ / "out/raw.jsonl"));
-  int refused = 0;
-  for (std::string line; std::getline(lines, line);) {
-    const json row = json::parse(line);
-    if (row.value("record", "") == "problem") {
-      EXPECT_EQ(row["proof"], "bound") << line;
-    }
-    if (row.value("record", "") == "run" && row["claim"] == "refused") ++refused;
-  }
-  EXPECT_GE(refused, 2 * 4 + 1);  // behind a prefilter ipopt may answer
-}
-
-TEST_F(Instances, OfTasksThatNarrowTheirTapsNoMarginIsProved) {
-  testing::write(home_ / "task.toml", std::string(task_text) + "[design]\nfamily = \"averages\"\n");
-  const json entry = find(write_all("mps"), "small corner", "margin");
-  EXPECT_TRUE(entry["file"].is_null()) << entry;
-  EXPECT_EQ(entry["optimum"]["proof"], "bound");
-  EXPECT_TRUE(entry["optimum"]["upper"].is_null()) << entry;
-}
-
-// A task's own delay is one of its choices.
-TEST_F(Instances, MarginIsAskedAtTheDelayOfTheTask) {
-  testing::write(home_ / "task.toml", std::string(task_text) + "delay_samples = 5\n");
-  EXPECT_EQ(find(write_all("mps"), "small corner", "margin")["asks"], "taps of least corner error at delay 5");
 }
 
 // Shortest delays of N + 1 and N + 2 samples, and corners where only limits, or zeros among the taps, set the delay. No

@@ -1,4 +1,5 @@
 """Proofs that name nothing: limits that no filter keeps, whatever its order."""
+from copy import copy
 from fractions import Fraction
 
 import claim
@@ -83,7 +84,10 @@ def _least_distance(limits, corner):
 
 
 def corner_speed(problem):
-    """A smallest speed that no filter keeps within the corner's error, in words."""
+    """A smallest speed that no filter keeps within the corner's error, in words. None at all: the filter, the control's
+    smoothing and the servo in series are one filter, too, whose taps the same limits bound."""
+    problem = copy(problem)
+    problem.smoothing = problem.response = exact([1])
     for corner in problem.corners:
         if corner.error is None or corner.speed_min <= 0 or (1 - corner.cosine).lo < ONE // 10**9:
             continue

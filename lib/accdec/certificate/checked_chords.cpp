@@ -122,9 +122,8 @@ void CheckedRows::add_row(const proof::Speed& row, const Interval& weight, Check
   const Interval in = Interval(c.geometry().feed_in) * (Interval(1.0) - tube.at(k)),
                  out = Interval(c.geometry().feed_out) * Interval(tube.at(k - box.d2).lo, tube.at(k - box.d1).hi);
   // Leg 2's direction in the plane of motion is (-cos theta, sin theta).
-  const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
-                        std::nextafter(c.geometry().cos_interior(), 2.0));
-  const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  const CheckedAngle interior = checked_angle(c.geometry());
+  const Interval &cosine = interior.cosine, &sine = interior.sine;
   // The velocity is in (1, 0) + out (-cos, sin). It must not lie to the right of `low` or to the left of `high`.
   const auto left_of = [&](double angle) {
     const Interval ca = interval_cos(angle), sa = interval_sin(angle);

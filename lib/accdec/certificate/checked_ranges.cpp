@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include <accdec/certificate/checked_rows.hpp>
 
@@ -34,9 +33,7 @@ void CheckedRows::add_row(const proof::RangeError& row, const Interval& weight, 
   const CheckedRange r = box.corners[u];
   const Touch in = touch(row.in), out = touch(row.out);
   if (!need_tube(box)) return;
-  const Interval cosine(std::nextafter(c.geometry().cos_interior(), -2.0),
-                        std::nextafter(c.geometry().cos_interior(), 2.0));
-  const Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  const auto [cosine, sine] = checked_angle(c.geometry());
   const Interval ca = interval_cos(Interval(row.angle)), sa = interval_sin(Interval(row.angle));
   const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
   Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);

@@ -21,26 +21,6 @@ void add_difference(int n, int at, const Interval& c, const Interval& step, cons
   add_difference(n - 1, at - 1, -1.0 * c * step, step, term);
 }
 
-Interval cosine_of(const Corner& corner) {
-  const double cosine = corner.cos_interior();
-  return {std::nextafter(cosine, -2.0), std::nextafter(cosine, 2.0)};
-}
-
-/// Sine of the interior angle. For nearly collinear legs the cosine gives it only to some 1e-8. The part of leg 2
-/// across leg 1 is more precise.
-Interval sine_of(const Corner& corner, const Interval& cosine) {
-  Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
-  Interval across(0.0);
-  for (Eigen::Index a = 0; a < corner.axes(); ++a) {
-    const Interval part = Interval(corner.direction_out[a]) + cosine * Interval(corner.direction_in[a]);
-    const Interval size = part.magnitude();
-    across = across + size * size;
-  }
-  across = square_root(across);
-  sine.lo = std::max(sine.lo, across.lo), sine.hi = std::min(sine.hi, across.hi);
-  return sine;
-}
-
 /// |F| + slope |V'| <= bound
 struct CheckedForce {
   Interval bound, slope{0.0};
@@ -161,7 +141,7 @@ void CheckedRows::add_row(const proof::Error& row, const Interval& weight, Check
   const TaskCorner& c = corner(row.corner);
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
   const CheckedRange& r = box.corners[static_cast<std::size_t>(row.corner)];
-  const Interval cosine = cosine_of(c.geometry()), sine = sine_of(c.geometry(), cosine);
+  const auto [cosine, sine] = checked_angle(c.geometry());
   const Interval ca = interval_cos(Interval(row.angle)), sa = interval_sin(Interval(row.angle));
   const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
   const Interval wp = weight * ca * Interval(c.geometry().feed_in) / Interval(fastest);
@@ -201,7 +181,7 @@ void CheckedRows::add_row(const proof::Contour& row, const Interval& weight, Che
   const TaskCorner& c = corner(row.corner);
   if (!c.contour_max) throw Rejected("a multiplier names a limit that is not there");
   const CheckedRange& r = box.corners[static_cast<std::size_t>(row.corner)];
-  const Interval sine = sine_of(c.geometry(), cosine_of(c.geometry()));
+  const Interval sine = checked_angle(c.geometry()).sine;
   if (!(sine.lo > 0.0)) throw Rejected("a contour tolerance says nothing of collinear legs");
   const double fastest = std::max(c.geometry().feed_in, c.geometry().feed_out);
   const double time = row.out ? r.c1 - r.d2 : r.c2, whole = std::floor(time);

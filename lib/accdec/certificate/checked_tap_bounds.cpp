@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <accdec/certificate/checked_tap_bounds.hpp>
 
@@ -32,6 +33,23 @@ Interval checked_speed(const TaskCorner& c, std::size_t axis, bool in) {
   const auto a = static_cast<Eigen::Index>(axis);
   return in ? Interval(c.geometry().feed_in) * c.geometry().direction_in[a]
             : Interval(c.geometry().feed_out) * c.geometry().direction_out[a];
+}
+
+/// For nearly collinear legs the cosine gives the sine only to some 1e-8. The part of leg 2 across leg 1 is more
+/// precise.
+CheckedAngle checked_angle(const Corner& corner) {
+  const double c = corner.cos_interior();
+  const Interval cosine(std::nextafter(c, -2.0), std::nextafter(c, 2.0));
+  Interval sine = square_root((Interval(1.0) - cosine) * (Interval(1.0) + cosine));
+  Interval across(0.0);
+  for (Eigen::Index a = 0; a < corner.axes(); ++a) {
+    const Interval part = Interval(corner.direction_out[a]) + cosine * Interval(corner.direction_in[a]);
+    const Interval size = part.magnitude();
+    across = across + size * size;
+  }
+  across = square_root(across);
+  sine.lo = std::max(sine.lo, across.lo), sine.hi = std::min(sine.hi, across.hi);
+  return {cosine, sine};
 }
 
 CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& response) : smooths_(response.smooths()) {

@@ -18,6 +18,12 @@ Interval checked_friction(const Axis& axis, bool stop);
 /// Signed speed of an axis along a leg, m/s.
 Interval checked_speed(const TaskCorner& corner, std::size_t axis, bool in);
 
+/// A corner's interior angle.
+struct CheckedAngle {
+  Interval cosine, sine;
+};
+CheckedAngle checked_angle(const Corner& corner);
+
 /// Bounds on taps, their differences and the response that all corners together leave, at the fastest leg of every
 /// axis.
 class CheckedTapBounds {

@@ -42,6 +42,21 @@ double uniform(std::mt19937_64& rng, double low, double high) {
   return low + (high - low) * (static_cast<double>(rng() >> 11) * 0x1p-53);
 }
 
+/// Why designs of a task are not ones of free taps and delays; empty if they are.
+std::string given_choices(const Task& task) {
+  std::string keys;
+  const auto add = [&](const char* key) { keys += fmt::format("{}{}", keys.empty() ? "" : ", ", key); };
+  if (task.filter) add("[filter]");
+  if (task.design.coefficient_bits > 0) add("[design] coefficient_bits");
+  if (task.settings && task.settings->names_family())
+    add(task.settings->from_file ? "[controller] name" : "[design] family");
+  else if (task.settings && !task.settings->any_delay())
+    add("[controller] delays");
+  if (keys.empty()) return "";
+  return "the problem is one of free taps and of delays of any number of samples; the task narrows these choices: " +
+         keys;
+}
+
 constexpr std::array<std::pair<Question, std::string_view>, 3> question_words{
     {{Question::margin, "margin"}, {Question::delay, "delay"}, {Question::design, "design"}}};
 constexpr std::array<std::pair<Expected, std::string_view>, 3> expected_words{
@@ -79,6 +94,7 @@ CaseSpec refined(CaseSpec spec, int factor) {
 
 ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   const Task& task = spec_.task;
+  objection_ = given_choices(task);
   delays_given_ = !spec_.delays.empty();
   if (spec_.question == Question::design) return;
   const Filter filter = default_filter(spec_.order);
@@ -102,6 +118,7 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   } else {
     for (const double d : default_delays(task, behind.motion())) options.blend_delays.push_back(static_cast<int>(d));
   }
+  if (objection_.empty()) objection_ = unstated_stop(behind.longest_order());
   blend_delays_ = options.blend_delays;
   options.mode_blends = true;
   for (std::size_t j = 0; j < task.corners.size(); ++j)
@@ -118,6 +135,24 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   std::map<std::string, std::size_t> names;
   for (int i = 0; i < sparse_->num_variables(); ++i) names[sparse_->variable_name(i)] = static_cast<std::size_t>(i);
   for (int i = 0; i < reduced_->num_variables(); ++i) common_.push_back(names.at(reduced_->variable_name(i)));
+}
+
+std::string ComparisonCase::unstated_stop(int longest) const {
+  for (std::size_t j = 0; j < spec_.task.corners.size(); ++j) {
+    const TaskCorner& corner = spec_.task.corners[j];
+    const bool at_point = corner.error_max == 0.0;
+    if (!at_point && corner.contour_max != 0.0) continue;
+    // A DelayProblem waits for the filter's end at a corner without a given delay that must pass through its point.
+    const int least = spec_.question == Question::margin ? spec_.delays[j]
+                      : at_point                         ? corner.delay.value_or(longest)
+                                                         : corner.delay.value_or(0);
+    if (least < longest)
+      return fmt::format(
+          "corner {}: {} = 0 is an exact stop. No row of a `{}` problem states it, and its delay may be shorter than "
+          "the filter",
+          corner.name, at_point ? "error_max_um" : "contour_max_um", to_string(spec_.question));
+  }
+  return "";
 }
 
 std::mt19937_64 ComparisonCase::generator(int index, std::uint64_t seed) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <accdec/design/formulation.hpp>
+#include <accdec/result.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec::comparison {
@@ -68,6 +69,10 @@ class ComparisonCase {
   int rows() const;
   /// The question in words: the variables and the given values.
   std::string asks() const;
+  /// Why an answer to the question is none to the task; empty if it is. Then nobody is asked and nothing is proved. The
+  /// task may narrow its taps or delays (a filter, a family, whole coefficients, kinds of delays). Or a corner of
+  /// `margin` or `delay` has a tolerance of zero, which no row states.
+  const std::string& objection() const { return objection_; }
   const std::vector<int>& samples() const {
     return samples_;
   }                                                                       ///< margin: k_j, the samples of the start's
@@ -78,7 +83,11 @@ class ComparisonCase {
   std::mt19937_64 generator(int index, std::uint64_t seed) const;
   Filter start_filter(int index, std::mt19937_64& rng) const;  ///< draws from the generator
 
+  /// @param longest  order of the motion behind the machine's response
+  std::string unstated_stop(int longest) const;
+
   CaseSpec spec_;
+  std::string objection_;
   std::vector<int> samples_, blend_delays_;
   bool delays_given_ = false;
   std::unique_ptr<nlp::Problem> sparse_, reduced_;
@@ -114,5 +123,10 @@ std::string_view to_string(Reference::Proof proof);
 /// comparison_reference.cpp.
 /// @param time_limit  s
 Reference reference_of(const ComparisonCase& subject, double time_limit);
+
+/// The exact method on the task of a `design` case, at its order. @param time_limit  s
+DesignResult exact_at_order(const CaseSpec& spec, double time_limit, bool certificate);
+/// The reference that its result is.
+Reference reference_of(const DesignResult& result);
 
 }  // namespace accdec::comparison

@@ -32,15 +32,14 @@ Claim claim_of(const DesignResult& result) {
   return Claim::failed;
 }
 
-/// @param reason  empty if the run goes on
+}  // namespace
+
 bool refused_into(batch::Row& row, const std::string& reason) {
   if (reason.empty()) return false;
   row["claim"] = to_string(Claim::refused);
   row["message"] = reason;
   return true;
 }
-
-}  // namespace
 
 /// The exact method on one core, with its certificate.
 void Comparison::exact_into(batch::Row& row, const ScheduledRun& entry, const Task& task) const {
@@ -107,7 +106,7 @@ void Comparison::design_into(batch::Row& row, const ScheduledRun& entry) const {
   const Competitor& competitor = settings_.solvers[entry.solver];
   Task task = subject.spec().task;
   task.design.order_min = task.design.order_max = subject.spec().order;
-  if (refused_into(row, instances::given_choices(task))) return;
+  if (refused_into(row, subject.objection())) return;
   if (competitor.is_exact()) return exact_into(row, entry, task);
   if (competitor.registered().capabilities().integers) return choice_into(row, entry, subject, task);
   DesignOptions options;

@@ -109,11 +109,6 @@ std::string missing_text(const comparison::Comparison& comparison, const std::ve
                      batch::ranges_text(std::vector<std::size_t>(without.begin(), without.end())), *counts.begin());
 }
 
-std::string key_of(const batch::Entry& entry) {
-  const Row row = Row::parse(entry.row, nullptr, false);
-  return row.is_object() ? row.value("key", "") : "";
-}
-
 /// One call of run_comparison: reads what exists, computes the rest, writes the results.
 class FolderRun {
  public:
@@ -135,10 +130,8 @@ class FolderRun {
     const std::string name = whole_ ? comparison_journal_name : batch::shard_journal(options.shard, options.shards);
     batch::set_aside_other((folder_ / name).string(), identity);
     journal_ = std::make_unique<batch::Journal>((folder_ / name).string(), identity);
-    entries_ = journal_->entries();
-    // A program may have changed since the run was interrupted.
-    std::erase_if(entries_, [&](const auto& e) { return key_of(e.second) != comparison_.key(e.first); });
-    entries_.merge(std::move(earlier_.entries));
+    // A shard goes on from its own journal only. A program may have changed since the run was interrupted.
+    entries_ = whole_ ? std::move(earlier_.entries) : placed_entries(journal_->entries(), comparison_);
     entries_.merge(std::move(merged));
     session_ = std::move(earlier_.session);
     header_ = comparison_.header();

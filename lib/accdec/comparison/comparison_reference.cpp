@@ -16,7 +16,6 @@
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/files.hpp>
-#include <accdec/instances/instance.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/nlp/violation.hpp>
@@ -257,10 +256,10 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   return reference;
 }
 
-/// Only the solvers tell how good an answer is.
-Reference no_reference() {
-  return {Reference::Proof::bound, 0.0, infinity,
-          "no reference: the exact method knows no response of the machine, contour or vibration of an axis here"};
+Reference no_reference(const std::string& reason =
+                           "the exact method knows no response of the machine, contour or vibration of an axis "
+                           "here") {
+  return {Reference::Proof::bound, 0.0, infinity, "no reference: " + reason};
 }
 
 /// Whether the linear programs of the two smooth problems, which are of the taps, know all limits.
@@ -270,18 +269,20 @@ bool of_the_taps(const Task& task) {
          std::ranges::none_of(task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); });
 }
 
-Reference design_reference(const CaseSpec& spec, double time_limit) {
-  if (const std::string reason = instances::given_choices(spec.task); !reason.empty())
-    return {Reference::Proof::bound, 0.0, infinity, "no reference: " + reason};
-  if (!exact_covers(spec.task)) return no_reference();
+}  // namespace
+
+DesignResult exact_at_order(const CaseSpec& spec, double time_limit, bool certificate) {
   ExactOptions options;
   options.time_limit = time_limit;
-  options.certificate = false;
+  options.certificate = certificate;
   Task task = spec.task;
   task.design.order_min = task.design.order_max = spec.order;
-  const DesignResult result = design_exact(task, options);
+  return design_exact(task, options);
+}
+
+Reference reference_of(const DesignResult& result) {
   if (result.status == Status::infeasible) return infeasible("exact: " + result.message, result.solver.evaluations);
-  const double period = task.sample_period;
+  const double period = result.task.sample_period;
   Reference reference{Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, infinity, "exact bound",
                       result.solver.evaluations};
   if (result.status != Status::optimal) return reference;
@@ -290,8 +291,6 @@ Reference design_reference(const CaseSpec& spec, double time_limit) {
   reference.method = "exact design at this order";
   return reference;
 }
-
-}  // namespace
 
 std::string_view to_string(Reference::Proof proof) {
   switch (proof) {
@@ -304,11 +303,13 @@ std::string_view to_string(Reference::Proof proof) {
 
 Reference reference_of(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
-  if (spec.question != Question::design && !of_the_taps(spec.task)) return no_reference();
+  if (!subject.objection().empty()) return no_reference(subject.objection());
+  const bool known = spec.question == Question::design ? exact_covers(spec.task) : of_the_taps(spec.task);
+  if (!known) return no_reference();
   switch (spec.question) {
     case Question::margin: return margin_reference(subject, time_limit);
     case Question::delay: return delay_reference(subject, time_limit);
-    case Question::design: return design_reference(spec, time_limit);
+    case Question::design: return reference_of(exact_at_order(spec, time_limit, false));
   }
   return {};
 }

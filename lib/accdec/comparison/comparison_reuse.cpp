@@ -104,4 +104,10 @@ EarlierEntries earlier_entries(const std::string& folder, const comparison::Comp
   return std::move(places.found);
 }
 
+comparison::Entries placed_entries(const comparison::Entries& entries, const comparison::Comparison& comparison) {
+  Places places(comparison, true);
+  for (const auto& [index, entry] : entries) places.take(entry);
+  return std::move(places.found.entries);
+}
+
 }  // namespace accdec

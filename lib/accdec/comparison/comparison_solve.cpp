@@ -61,11 +61,8 @@ solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
 void Comparison::solve_into(batch::Row& row, const ScheduledRun& entry) const {
   const ComparisonCase subject(cases_[entry.case_index]);
   const Competitor& competitor = settings_.solvers[entry.solver];
-  if (competitor.is_exact()) {
-    row["claim"] = to_string(solvers::Claim::refused);
-    row["message"] = "the exact method takes part in designs; elsewhere it gives the references";
-    return;
-  }
+  const char* exact = "the exact method takes part in designs; elsewhere it gives the references";
+  if (refused_into(row, competitor.is_exact() ? exact : subject.objection())) return;
   const bool reduced = competitor.wants_reduced(settings_.reduced);
   const solvers::Options options = solver_options(entry);
   const std::vector<double> start = subject.start(reduced, entry.start, settings_.seed);

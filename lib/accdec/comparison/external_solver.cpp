@@ -18,7 +18,6 @@
 #include <accdec/comparison/recorded_problem.hpp>
 #include <accdec/files/limited_process.hpp>
 #include <accdec/files/shown_text.hpp>
-#include <accdec/formats/toml_file.hpp>
 #include <accdec/instances/instance.hpp>
 
 namespace accdec::comparison {
@@ -115,30 +114,6 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
   if (quote) throw std::invalid_argument(fmt::format("a quote {} in `command` has no end", quote));
   if (begun) words.push_back(word);
   return words;
-}
-
-std::string program_state(const External& external) {
-  const auto words = command_words(external.command,
-                                   {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", external.folder}});
-  const auto hash = [](const fs::path& path) -> std::string {
-    std::error_code error;
-    if (!fs::is_regular_file(path, error)) return "";
-    std::ifstream in(path, std::ios::binary);
-    return toml_input::hash_of(std::string{std::istreambuf_iterator<char>(in), {}});
-  };
-  std::string state = words.empty() ? "" : hash(words.front());
-  if (!words.empty() && words.front().find('/') == std::string::npos) {
-    const char* path = std::getenv("PATH");
-    std::istringstream folders(path ? path : "");
-    state.clear();
-    for (std::string folder; state.empty() && std::getline(folders, folder, ':');) {
-      const fs::path found = fs::path(folder) / words.front();
-      if (::access(found.c_str(), X_OK) == 0) state = hash(found);
-    }
-  }
-  if (state.empty()) state = "missing";
-  for (std::size_t i = 1; i < words.size(); ++i) state += " " + hash(words[i]);
-  return state;
 }
 
 namespace {

@@ -24,8 +24,10 @@ struct External {
 /// @throws std::invalid_argument if a {name} is no place, or a brace or quote stands alone
 std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places);
 
-/// Hashes of the files that a command names: the program, as PATH finds it, and scripts among its words. Answers of an
-/// earlier run hold for the same files only. "missing" stands for a program that is not found.
+/// Hashes of the files that a command names; answers of an earlier run hold for the same files only. A name is a word,
+/// or a part of one between spaces, quotes and the signs =,;:|&<>(). It is an absolute path, or that of a program in
+/// PATH. A folder with a __main__.py, which Python runs, counts with its first 1000 files. Files that these load do not
+/// count. In program_state.cpp.
 std::string program_state(const External& external);
 
 /// Runs it for every problem in a folder of its own, with the limits of `run_limited`. It is killed

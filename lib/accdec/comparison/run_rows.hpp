@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <accdec/batch/row_numbers.hpp>
@@ -13,5 +14,7 @@ namespace accdec::comparison {
 batch::Row thinned(const std::vector<nlp::Improvement>& history);
 /// Numbers of evaluations by kind. Both in comparison_solve.cpp.
 batch::Row counts_row(const nlp::Counts& counts);
+/// Records that a solver does not take a problem. Empty: it does, and the answer is false. In comparison_design.cpp.
+bool refused_into(batch::Row& row, const std::string& reason);
 
 }  // namespace accdec::comparison

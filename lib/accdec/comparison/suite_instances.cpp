@@ -18,7 +18,6 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/formats/task_writer.hpp>
-#include <accdec/result.hpp>
 #include <accdec/task/contradictions.hpp>
 
 namespace accdec::comparison {
@@ -53,6 +52,20 @@ std::string lines(const std::vector<std::string>& names) {
   return text;
 }
 
+/// The limits that a file in any format states otherwise than the task.
+std::string beside_the_task(const CaseSpec& spec) {
+  const auto band = [](const Mode& m) { return m.frequency_low < m.frequency_high || m.damping_low < m.damping_high; };
+  std::string text;
+  if (std::ranges::any_of(spec.task.machine.modes, band)) {
+    text = "; a mode's band is bounded at single frequencies, and at the ends of its damping";
+    text += spec.question == Question::design ? ": a lower bound of the optimum here, which holds over the whole band"
+                                              : ", in the optimum here as well";
+  }
+  if (std::ranges::any_of(spec.task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); }))
+    text += "; a contour is bounded for the time at which the start passes from leg to leg";
+  return text;
+}
+
 /// Collects the files and the manifest.
 class Writer {
  public:
@@ -80,7 +93,7 @@ class Writer {
     entry["size"] = spec.size;
     entry["order"] = spec.order;
     try {
-      write(entry, stem, instance_of(subject));
+      write(entry, stem, subject);
     } catch (const std::invalid_argument& reason) {
       entry["file"] = nullptr;
       entry["reason"] = reason.what();
@@ -109,12 +122,13 @@ class Writer {
   }
 
  private:
-  void write(Json& entry, const std::string& stem, const instances::Instance& instance) {
+  void write(Json& entry, const std::string& stem, const ComparisonCase& subject) {
+    const instances::Instance instance = instance_of(subject);
     instances::Text text = instances::text_of(instance, options_.format);
     const std::string file = stem + "." + options_.format;
     entry["file"] = file;
     entry["class"] = text.kind;
-    entry["relation"] = text.relation;
+    entry["relation"] = text.relation + beside_the_task(subject.spec());
     entry["variables"] = text.columns.size();
     entry["binary"] =
         std::count_if(instance.variables.begin(), instance.variables.end(), [](const auto& v) { return v.binary; });
@@ -129,29 +143,14 @@ class Writer {
     const double limit = suite_.settings.reference_time_limit;
     Reference reference;
     Json certificate = nullptr;
-    if (subject.spec().question == Question::design) {
-      Task task = subject.spec().task;
-      task.design.order_min = task.design.order_max = subject.spec().order;
-      ExactOptions exact;
-      exact.time_limit = limit;
-      DesignResult result;
-      result.task = task;
-      const std::string objection = instances::given_choices(task);
-      if (exact_covers(task) && objection.empty()) result = design_exact(task, exact);
-      const double period = task.sample_period;
-      reference = {Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, nlp::infinity,
-                   objection.empty() ? "exact bound" : "none: " + objection};
-      if (result.status == Status::optimal)
-        reference = {Reference::Proof::optimal, reference.lower, result.objective() / period,
-                     "exact design at this order"};
-      if (result.status == Status::infeasible)
-        reference = {Reference::Proof::infeasible, nlp::infinity, nlp::infinity, "exact: " + result.message};
+    const CaseSpec& spec = subject.spec();
+    if (spec.question == Question::design && subject.objection().empty() && exact_covers(spec.task)) {
+      const DesignResult result = exact_at_order(spec, limit, true);
+      reference = reference_of(result);
       if (result.status != Status::failed || result.certificate) {
         certificate = stem + ".proof.json";
         files_.emplace_back(stem + ".proof.json", result_to_json(result));
       }
-    } else if (const std::string objection = instances::given_choices(subject.spec().task); !objection.empty()) {
-      reference = {Reference::Proof::bound, 0.0, nlp::infinity, "none: " + objection};
     } else {
       reference = reference_of(subject, limit);
     }
@@ -185,12 +184,11 @@ instances::Instance instance_of(const ComparisonCase& subject) {
   // Rows of a force-speed curve say nothing beyond its last speed.
   if (const auto reasons = contradictions(subject.spec().task); !reasons.empty())
     throw std::invalid_argument("no filter of any order holds the task: " + reasons.front());
+  if (!subject.objection().empty()) throw std::invalid_argument(subject.objection());
   if (subject.spec().question == Question::design) {
     const instances::Choice choice = choice_of(subject);
     return instances::instance_of(choice.problem, choice.start);
   }
-  if (const std::string reason = instances::given_choices(subject.spec().task); !reason.empty())
-    throw std::invalid_argument(reason);
   const auto& problem = dynamic_cast<const QuadraticProblem&>(*subject.problem(false));
   return instances::instance_of(problem, subject.start(false, 0, 1));
 }

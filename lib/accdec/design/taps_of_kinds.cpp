@@ -21,6 +21,12 @@ void drop_proof(DesignResult& result) {
   result.status = Status::feasible;
 }
 
+/// Gives a delay to every corner that the task gives none. @param of  of a corner's number
+template <class DelayOf>
+void give_delays(const Task& task, const DelayOf& of, Task& given) {
+  for (std::size_t j = 0; j < given.corners.size(); ++j) given.corners[j].delay = task.corners[j].delay.value_or(of(j));
+}
+
 /// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop
 /// lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits with any delay
 /// behind which the legs are apart, and the proof with its own one says so.
@@ -28,8 +34,8 @@ DesignResult design_for_one_kind(const Task& task, bool stops, const DesignOptio
   Task given = task;
   given.settings.reset();
   const auto with_delay = [&](int delay, double seconds) {
-    for (std::size_t j = 0; j < given.corners.size(); ++j)
-      given.corners[j].delay = task.corners[j].delay.value_or(delay);
+    give_delays(
+        task, [&](std::size_t) { return delay; }, given);
     DesignOptions within = options;
     within.time_limit = seconds;
     return design_task(given, within);
@@ -141,8 +147,8 @@ void offer_for_delays(const Task& any, const DesignOptions& options, Cheapest& c
   if (!first.has_design() || any.corners.size() < 2) return;
   for (int shorter = 0; shorter < 3; ++shorter) {
     Task given = any;
-    for (std::size_t j = 0; j < given.corners.size(); ++j)
-      given.corners[j].delay = any.corners[j].delay.value_or(std::max(0, first.corners[j].delay - shorter));
+    give_delays(
+        any, [&](std::size_t j) { return std::max(0, first.corners[j].delay - shorter); }, given);
     if (keep_cheaper(cheapest.best(), cost_of(given).given_delays(given), 0.0, given))
       cheapest.offer_taps(design_task(given, options));
   }

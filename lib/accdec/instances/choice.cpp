@@ -185,22 +185,7 @@ class ChoiceBuilder {
 
 }  // namespace
 
-std::string given_choices(const Task& task) {
-  std::string keys;
-  const auto add = [&](const char* key) { keys += fmt::format("{}{}", keys.empty() ? "" : ", ", key); };
-  if (task.filter) add("[filter]");
-  if (task.design.coefficient_bits > 0) add("[design] coefficient_bits");
-  if (task.settings && task.settings->names_family())
-    add(task.settings->from_file ? "[controller] name" : "[design] family");
-  else if (task.settings && !task.settings->any_delay())
-    add("[controller] delays");
-  if (keys.empty()) return "";
-  return "the problem is one of free taps and of delays of any number of samples; the task narrows these choices: " +
-         keys;
-}
-
 Choice choice_of(const Task& task, int order) {
-  if (const std::string reason = given_choices(task); !reason.empty()) throw std::invalid_argument(reason);
   const bool ideal = Response(task.machine, task.sample_period).ideal();
   if (!ideal || std::ranges::any_of(task.machine.modes, &Mode::of_axis))
     throw std::invalid_argument(

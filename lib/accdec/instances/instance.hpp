@@ -51,13 +51,9 @@ struct Choice {
 /// P_j and Q_j are tied to the distances p(k_j) and Q(k_j - d_j) by big-M rows. Rows of a blend at delay d hold where
 /// d_j = d, also by big-M. Every M bounds its row over the taps' range. Delays go to N + 2, as
 /// longer ones help nothing. Vibration is bounded at the grid of `initial_frequencies`, so that a band is relaxed.
-/// @throws std::invalid_argument behind a response, for modes of axes, contours, dry friction of axes that reverse,
-/// and where `given_choices` objects
+/// It is a choice of free taps and delays, also where the task narrows them.
+/// @throws std::invalid_argument behind a response, and for modes of axes, contours, dry friction of axes that reverse
 Choice choice_of(const Task& task, int order);
-
-/// Why a whole design of a task is not one of free taps and delays: a given filter, a family, whole coefficients, or
-/// delays of some kinds. Empty if it is.
-std::string given_choices(const Task& task);
 
 /// An instance as the text of a file.
 struct Text {

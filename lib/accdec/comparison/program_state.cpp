@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <unistd.h>
+
+#include <accdec/comparison/external_solver.hpp>
+#include <accdec/formats/toml_file.hpp>
+
+namespace accdec::comparison {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_files = 1000;  ///< of a folder
+
+std::string hash_of_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return toml_input::hash_of(std::string{std::istreambuf_iterator<char>(in), {}});
+}
+
+/// Names and contents, without those that Python itself writes.
+std::string hash_of_folder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  fs::recursive_directory_iterator item(folder, fs::directory_options::skip_permission_denied, ignored);
+  for (; item != fs::recursive_directory_iterator(); item.increment(ignored)) {
+    if (item->path().filename() == "__pycache__") item.disable_recursion_pending();
+    if (item->is_regular_file(ignored)) files.push_back(item->path());
+  }
+  std::sort(files.begin(), files.end());
+  files.resize(std::min(files.size(), most_files));
+  std::string state;
+  for (const fs::path& file : files) state += file.string() + " " + hash_of_file(file) + "\n";
+  return toml_input::hash_of(state);
+}
+
+/// Empty if the name is not one of a program or file.
+std::string hash_of_name(const std::string& name) {
+  std::error_code error;
+  if (name.starts_with('/')) {
+    if (fs::is_regular_file(name, error)) return hash_of_file(name);
+    return fs::is_regular_file(fs::path(name) / "__main__.py", error) ? hash_of_folder(name) : "";
+  }
+  if (name.empty() || name.find('/') != std::string::npos) return "";
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const fs::path found = fs::path(folder) / name;
+    if (fs::is_regular_file(found, error) && ::access(found.c_str(), X_OK) == 0) return hash_of_file(found);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string program_state(const External& external) {
+  std::string state;
+  const auto add = [&](const std::string& name) {
+    const std::string hash = hash_of_name(name);
+    if (!hash.empty()) state += (state.empty() ? "" : " ") + hash;
+    return !hash.empty();
+  };
+  for (std::string word : command_words(
+           external.command, {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", external.folder}})) {
+    if (add(word)) continue;
+    for (char& c : word) {
+      if (std::string_view("=,;:|&<>()'\"`\t\n").find(c) != std::string_view::npos) c = ' ';
+    }
+    std::istringstream parts(word);
+    for (std::string part; parts >> part;) add(part);
+  }
+  return state;
+}
+
+}  // namespace accdec::comparison

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "instances_fixture.hpp"
+
+// Tasks of which a suite's questions are not: files leave them out, and comparisons ask nobody.
+
+namespace accdec {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::Instances;
+using testing::task_text;
+
+/// Lines of one kind in the raw data of a comparison.
+std::vector<json> records(const std::string& raw, const std::string& kind) {
+  std::vector<json> rows;
+  std::istringstream lines(raw);
+  for (std::string line; std::getline(lines, line);) {
+    if (json row = json::parse(line); row.value("record", "") == kind) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// The whole choice is of free taps and delays. A task that narrows them is another problem, so nobody answers this one.
+TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
+  const struct {
+    const char *name, *lines, *key;
+  } tasks[] = {{"family", "[design]\nfamily = \"averages\"\n", "[design] family"},
+               {"bits", "[design]\ncoefficient_bits = 15\n", "[design] coefficient_bits"},
+               {"given", "[filter]\nkind = \"boxcar\"\norder = 12\n", "[filter]"},
+               {"control", "[controller]\nname = \"sinumerik-840d\"\n", "[controller] name"},
+               {"behind", "[controller]\nprefilter_taps = [0.5, 0.5]\n", "prefilter_taps"}};
+  std::string suite = "solvers = [\"exact\", \"ipopt\"]\nstarts = 1\nrepeats = 1\n";
+  for (const auto& t : tasks) {
+    testing::write(home_ / (std::string(t.name) + ".toml"), std::string(task_text) + t.lines);
+    suite +=
+        fmt::format("[[problem]]\nname = \"{0}\"\ntask = \"{0}.toml\"\nformulation = \"design\"\norder = 14\n", t.name);
+  }
+  testing::write(home_ / "suite.toml", suite);
+  const json manifest = write_all("nl");
+  for (const auto& t : tasks) {
+    const json entry = find(manifest, t.name, "design");
+    EXPECT_TRUE(entry["file"].is_null()) << entry;
+    EXPECT_THAT(entry.value("reason", ""), HasSubstr(t.key));
+    EXPECT_EQ(entry["optimum"]["proof"], "bound");
+    EXPECT_TRUE(entry["optimum"]["certificate"].is_null()) << entry;
+  }
+  const testing::Outcome outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string raw = testing::content(home_ / "out/raw.jsonl");
+  for (const json& problem : records(raw, "problem")) EXPECT_EQ(problem["proof"], "bound") << problem;
+  const std::vector<json> runs = records(raw, "run");
+  const auto refused = std::ranges::count_if(runs, [](const json& row) { return row["claim"] == "refused"; });
+  EXPECT_GE(refused, 2 * 4 + 1);  // behind a prefilter ipopt may answer
+}
+
+// Margins and delays are of free taps, and no row of theirs states an exact stop. It needs none where the delay is as
+// long as the filter.
+TEST_F(Instances, NobodyIsAskedWhatIsNotTheTask) {
+  const std::string stop = std::string(task_text) + "contour_max_um = 0\n";
+  const struct {
+    const char *name, *formulation, *reason;
+    std::string task;
+  } tasks[] = {{"family", "margin", "[design] family", std::string(task_text) + "[design]\nfamily = \"averages\"\n"},
+               {"given", "delay", "[filter]", std::string(task_text) + "[filter]\nkind = \"boxcar\"\norder = 12\n"},
+               {"contour", "margin", "contour_max_um = 0", stop},
+               {"later", "delay", "contour_max_um = 0", stop + "delay_samples = 13\n"},
+               {"error", "margin", "error_max_um = 0",
+                std::string(task_text) + "\n[[corner]]\nname = \"B\"\nangle_deg = 90\n"
+                                         "feed_in_mm_min = 1000\nerror_max_um = 0\n"},
+               {"stops", "margin", nullptr, stop + "delay_samples = 14\n"}};
+  std::string suite = "solvers = [\"ipopt\"]\nstarts = 1\nrepeats = 1\n";
+  for (const auto& t : tasks) {
+    testing::write(home_ / (std::string(t.name) + ".toml"), t.task);
+    suite += fmt::format("[[problem]]\nname = \"{0}\"\ntask = \"{0}.toml\"\nformulation = \"{1}\"\norder = 14\n",
+                         t.name, t.formulation);
+  }
+  testing::write(home_ / "suite.toml", suite);
+  const json manifest = write_all("nl");
+  const testing::Outcome outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string raw = testing::content(home_ / "out/raw.jsonl");
+  const std::vector<json> runs = records(raw, "run"), problems = records(raw, "problem");
+  ASSERT_EQ(runs.size(), std::size(tasks));
+  for (std::size_t i = 0; i < std::size(tasks); ++i) {
+    const json entry = find(manifest, tasks[i].name, tasks[i].formulation);
+    const json& answer = runs[i];
+    const std::string reason = tasks[i].reason ? tasks[i].reason : "";
+    EXPECT_EQ(entry["file"].is_null(), !reason.empty()) << entry;
+    EXPECT_EQ(answer["claim"] == "refused", !reason.empty()) << answer;
+    if (reason.empty()) continue;
+    EXPECT_THAT(entry.value("reason", ""), HasSubstr(reason));
+    EXPECT_EQ(entry["optimum"]["proof"], "bound");
+    EXPECT_TRUE(entry["optimum"]["upper"].is_null()) << entry;
+    EXPECT_THAT(answer.value("message", ""), HasSubstr(reason));
+    EXPECT_THAT(problems[i].value("method", ""), HasSubstr(reason));
+  }
+}
+
+// Files bound a band at single frequencies. The exact method bounds all of it.
+TEST_F(Instances, RelationSaysWhatIsOfABand) {
+  std::string text = testing::content(home_ / "suite.toml");
+  text.replace(text.find("formulation = \"margin\""), 22, "formulation = [\"margin\", \"design\"]");
+  testing::write(home_ / "suite.toml", text);
+  const json manifest = write_all("nl");
+  EXPECT_EQ(find(manifest, "small corner", "margin")["relation"], "the same problem");
+  EXPECT_EQ(find(manifest, "vibration", "margin")["relation"],
+            "the same problem; a mode's band is bounded at single frequencies, and at the ends of its damping, in the "
+            "optimum here as well");
+  EXPECT_THAT(find(manifest, "vibration", "design")["relation"].get<std::string>(), HasSubstr(": a lower bound"));
+}
+
+// A task's own delay is one of its choices.
+TEST_F(Instances, MarginIsAskedAtTheDelayOfTheTask) {
+  testing::write(home_ / "task.toml", std::string(task_text) + "delay_samples = 5\n");
+  EXPECT_EQ(find(write_all("mps"), "small corner", "margin")["asks"], "taps of least corner error at delay 5");
+}
+
+}  // namespace
+}  // namespace accdec
