@@ -8,7 +8,8 @@ const sync = "time";
 /** Values of several curves on one time axis; null where a curve has no point. @param period  of samples, or null */
 function aligned(curves, period) {
   const snapped = (t) => (period ? Math.round(t / period) * period : t);
-  return uPlot.join(curves.map(({ time, values }) => [time.map(snapped), values])).map((column) => column.map((v) => v ?? null));
+  const columns = uPlot.join(curves.map(({ time, values }) => [time.map(snapped), values]));
+  return columns.map((column) => column.map((v) => v ?? null));
 }
 
 /** Arrow keys move the cursor of a chart, and so that of all with it; Home and End go to its ends. */

@@ -31,7 +31,8 @@ function top(taps, period, modes) {
 /** Of very many taps the largest of each group that is narrower than a pixel. */
 function shownTaps(taps, ms) {
   const group = Math.ceil(taps.length / most_drawn);
-  const values = Array.from({ length: Math.ceil(taps.length / group) }, (_, n) => Math.max(...taps.slice(n * group, (n + 1) * group)));
+  const largest = (_, n) => Math.max(...taps.slice(n * group, (n + 1) * group));
+  const values = Array.from({ length: Math.ceil(taps.length / group) }, largest);
   return { time: values.map((_, n) => n * group * ms), values };
 }
 

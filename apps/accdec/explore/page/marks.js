@@ -2,7 +2,7 @@
 
 export const binding = 0.999; // share of a limit from which it binds
 
-/** The one of a curve's bounds, above and below zero, that a value uses to the full. @param least  it is one from below */
+/** The one of a curve's bounds, above and below zero, that a value uses to the full; `least`: it is the smallest. */
 export const boundAt = (v, { bounds, least }) =>
   bounds.find((bound) => bound && (least ? Math.abs(v / bound - 1) <= 1 - binding : v / bound >= binding));
 

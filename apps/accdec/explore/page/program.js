@@ -49,9 +49,12 @@ function cornerTitle(corner) {
   return `The corner of line ${corner.line} by itself, from rest to rest at ${feeds} mm/min${now === asked ? "" : ` (programmed: ${asked})`}`;
 }
 
-/** The corner that is drawn nearest to a place, px. */
-const drawnAt = (place, reach) => scene.nearest(program.corners.length, (i) => scene.at(program.corners[i].at_mm), place, reach);
-const scene = new Scene($("#path canvas"), showMark, (place) => choose(drawnAt(place, 15)), (view) => state.set({ view }));
+/** The corner nearest to a place. @param at  the place of a corner at so many mm */
+const nearestCorner = (at, place, reach = Infinity) =>
+  scene.nearest(program.corners.length, (i) => at(program.corners[i].at_mm), place, reach);
+const drawnAt = (mm) => scene.at(mm);
+const clicked = (place) => choose(nearestCorner(drawnAt, place, 15));
+const scene = new Scene($("#path canvas"), showMark, clicked, (view) => state.set({ view }));
 const state = new Shown(show);
 
 /** Opens a corner above the path; below 0: none. */
@@ -65,8 +68,9 @@ function choose(i) {
 function enter() {
   const { clientWidth, clientHeight } = scene.canvas;
   const places = program.plans[shown.plan].places_mm.map((axis) => axis[shown.mark]);
-  if (shown.mark >= 0) choose(scene.nearest(program.corners.length, (i) => program.corners[i].at_mm, places, Infinity));
-  else choose(program.corners[state.now.corner] ? Number(state.now.corner) : drawnAt([clientWidth / 2, clientHeight / 2], Infinity));
+  if (shown.mark >= 0) choose(nearestCorner((mm) => mm, places));
+  else if (program.corners[state.now.corner]) choose(Number(state.now.corner));
+  else choose(nearestCorner(drawnAt, [clientWidth / 2, clientHeight / 2]));
 }
 for (const place of ["#path canvas", "#over-time"])
   $(place).addEventListener("keydown", (event) => event.key === "Enter" && enter());
@@ -166,9 +170,9 @@ function tables() {
   const rows = plan.lost.map((l) => [
     l.turn,
     String(l.count),
-    four(l.time_s),
-    four((1e3 * l.time_s) / l.count),
-    ...(before ? [four(lost.get(l.turn) ?? 0)] : []),
+    l.time_s.toFixed(4),
+    ((1e3 * l.time_s) / l.count).toFixed(3),
+    ...(before ? [(lost.get(l.turn) ?? 0).toFixed(4)] : []),
   ]);
   const wide = (content) => make("div", { class: "wide" }, content);
   $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(columns, rows)));

@@ -4,7 +4,8 @@ const client = Math.random().toString(36).slice(2);
 
 export class Superseded extends Error {}
 
-async function post(name, body, { slot = "", seconds = 1, format = "", corner = 0, held = 0, whole = false, ends = [] } = {}) {
+async function post(name, body, options = {}) {
+  const { slot = "", seconds = 1, format = "", corner = 0, held = 0, whole = false, ends = [] } = options;
   const query = new URLSearchParams({ client, slot, seconds, format, corner, held });
   if (whole) query.append("whole", "");
   // Slots whose questions are about an older task: the program gives up on them.

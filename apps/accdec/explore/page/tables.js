@@ -142,7 +142,8 @@ export const cornerTable = ({ head, rows }) => table(head.map(unit), rows);
 export function tapTable({ filter: { taps } }, most = 5000) {
   const rows = taps.slice(0, most).map((b, i) => [String(i), String(b)]);
   const more = taps.length - rows.length;
-  return make("div", {}, table(["tap", "weight"], rows), more ? make("p", { class: "small" }, `and ${more} more: export the taps`) : null);
+  const rest = more ? make("p", { class: "small" }, `and ${more} more: export the taps`) : null;
+  return make("div", {}, table(["tap", "weight"], rows), rest);
 }
 
 /** A key, which a phone may show on several lines. */
