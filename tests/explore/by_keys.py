@@ -38,6 +38,24 @@ def keeps_focus(page):
     end_of_slider(page)
     page.value("document.querySelector('#reset').click()")
     page.settle()
+    menu_of_tasks(page)
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
+def menu_of_tasks(page):
+    """Arrow keys walk through the menu of tasks; Enter or leaving it loads the one it is at."""
+    task, name = "document.body.dataset.task", "document.querySelector('#shipped').value"
+    for leave, times in (("Enter", 2), ("Tab", 1)):
+        before = page.value(task)
+        press(page, "#shipped", "ArrowDown", times)
+        time.sleep(0.3)
+        at = page.value(name)
+        check(at and page.value(task) == before, f"arrow keys walk to {at}; nothing is loaded yet")
+        page.key(leave)
+        page.settle()
+        wanted = page.value(f"JSON.stringify(accdecPage.start.shipped.find(s => s.name === '{at}').task)")
+        check(page.value(task) == wanted and page.value(name) == at, f"{leave} loads {at}")
 
 
 def end_of_slider(page):

@@ -59,6 +59,29 @@ def without_corner(accdec, browser, home, task):
         program.end()
 
 
+def enters(browser):
+    """Enter opens the corner nearest to the cursor, on the path and in the charts; without a cursor that in the middle."""
+    opened = "accdecProgram.state.now.corner"
+    nearest = browser.value(f"""(({{ program, scene }}) => {{
+        const far = (at, to) => Math.hypot(...at.map((x, a) => x - to[a])), plan = program.plans[0];
+        const least = (i) => Math.min(...program.corners.map(c => far(c.at_mm, plan.places_mm.map(v => v[i]))));
+        const middle = [scene.canvas.clientWidth / 2, scene.canvas.clientHeight / 2];
+        const drawn = program.corners.map(c => far(scene.at(c.at_mm), middle));
+        return [[...Array(12).keys()].map(i => Math.floor((i + 0.5) * plan.t_s.length / 12)).map(i => [i, least(i)]),
+                Math.min(...drawn), drawn]; }})(accdecProgram)""")
+    enter = "document.querySelector('{}').dispatchEvent(new KeyboardEvent('keydown', {{ key: 'Enter', bubbles: true }}))"
+    browser.value(enter.format("#path canvas"))
+    check(nearest[2][int(browser.value(opened))] == nearest[1], "without a cursor: the corner in the middle")
+    for n, (i, distance) in enumerate(nearest[0]):
+        browser.value(f"accdecProgram.charts[0].setCursor({{ left: accdecProgram.charts[0].valToPos(accdecProgram.program"
+                      f".plans[0].t_s[{i}], 'x'), top: 9 }}), accdecProgram.scene.mark")
+        browser.value(enter.format("#over-time .draw" if n % 2 else "#path canvas"))
+        found = browser.value(f"(p => Math.hypot(...p.corners[{opened}].at_mm.map((x, a) => x - p.plans[0].places_mm[a]"
+                              "[accdecProgram.scene.mark])))(accdecProgram.program)")
+        check(abs(found - distance) < 1e-9, f"Enter opens the corner {found:.4g} mm from the cursor, none is nearer")
+    browser.value("accdecProgram.state.set({ corner: '' })")
+
+
 def lists_all(browser):
     """Every corner of the program has a link, which keys reach."""
     count = browser.value("accdecProgram.program.corners.length")

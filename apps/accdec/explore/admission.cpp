@@ -63,13 +63,13 @@ std::optional<double> seconds_of(const httplib::Request& request) {
   return seconds;
 }
 
-std::optional<std::size_t> corner_of(const httplib::Request& request) {
-  if (!request.has_param("corner")) return 0;
-  const std::string text = request.get_param_value("corner");
-  std::size_t corner = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), corner);
+std::optional<std::size_t> number_of(const httplib::Request& request, const char* name) {
+  if (!request.has_param(name)) return 0;
+  const std::string text = request.get_param_value(name);
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return {};
-  return corner;
+  return number;
 }
 
 }  // namespace accdec::explore

@@ -29,7 +29,7 @@ class Admission {
 
 /// The time that a request asks for, 1 s if it names none; null if it is none that is allowed.
 std::optional<double> seconds_of(const httplib::Request& request);
-/// The corner that a request asks for, 0 if it names none; null if it is no index.
-std::optional<std::size_t> corner_of(const httplib::Request& request);
+/// The corner or the result that a request asks for, 0 if it names none; null if it is no whole number.
+std::optional<std::size_t> number_of(const httplib::Request& request, const char* name);
 
 }  // namespace accdec::explore

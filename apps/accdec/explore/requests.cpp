@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -27,6 +28,7 @@
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
 
+#include "held.hpp"
 #include "machines.hpp"
 #include "views.hpp"
 
@@ -56,10 +58,22 @@ Task task_of(const Question& question) {
 
 DesignOptions options_of(const Question& question) {
   DesignOptions options;
-  options.time_limit = question.seconds;
+  if (!question.whole) options.time_limit = question.seconds;
   options.cancel = question.cancel;
   options.exact.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   return options;
+}
+
+Held& held_results() {
+  static Held held;
+  return held;
+}
+
+/// The result that a question is about. @throws std::invalid_argument  @throws InputError
+Held::Result result_of(const Question& question) {
+  if (question.held == 0) return std::make_shared<const DesignResult>(parse_result(question.body, "result"));
+  if (Held::Result held = held_results().find(question.held)) return held;
+  throw std::invalid_argument("the program holds this result no longer: change a number of the task and back");
 }
 
 /// The numbers to set at a control, in ms: averages, longest first, and the delay of pairs of impulses.
@@ -98,12 +112,14 @@ Answer design(const Question& question) {
     proof["text"] = check.accepted ? check.proof : check.reasons.front();
   }
   const ReportTable corners = corner_report(result);
+  const std::size_t number = question.place.empty() ? 0 : held_results().keep(question.place, result);
   result.certificate.reset();  // thousands of numbers that the page would not read
   Json said{{"proof", proof},
             {"views", views_json(result, question, deadline)},
             {"setting", settings_answer(result)},
             {"exact_stop", result.filter && stops_exactly(result)},
             {"corners", {{"head", corners.head}, {"rows", corners.rows}}}};
+  if (number > 0) said["held"] = number;
   if (const auto& given = result.task.filter) {
     said["parameters"] = describe_parameters(*given);
     said["settings"] = settings_json(*given, 1e3 * result.task.sample_period);
@@ -150,7 +166,7 @@ Answer compare_families(const Question& question) {
 Answer explain(const Question& question) {
   ExplainOptions options;
   options.design = options_of(question);
-  options.design.time_limit = std::min(5.0, question.seconds);
+  options.design.time_limit = std::min(10.0, question.seconds);  // as that of `accdec explain`
   options.time_limit = question.seconds;
   return {200, "application/json", explanation_to_json(explain_task(task_of(question), options))};
 }
@@ -159,12 +175,13 @@ Answer export_file(const Question& question) {
   const bool binary = question.format == "npy";
   const char* const type = binary ? "application/octet-stream" : "text/plain; charset=utf-8";
   if (question.format == "result") {
-    DesignResult result = design_task(task_of(question), options_of(question));
+    DesignResult result =
+        question.held > 0 ? *result_of(question) : design_task(task_of(question), options_of(question));
     if (result.filter && result.task.baseline && !result.task.filter && !result.settings)
       result.savings = study::savings(study::compare_with_baselines(result, 1.0));
     return {200, type, result_to_json(result)};
   }
-  return {200, type, export_taps(parse_result(question.body, "result"), question.format)};
+  return {200, type, export_taps(*result_of(question), question.format)};
 }
 
 /// Why the tasks of a list cannot be designed; null for those that can. The list ends where the time is over.
@@ -222,7 +239,7 @@ Json key_json(const Key& key) {
 Answer answer_unguarded(const Question& question) {
   if (question.name == "design") return design(question);
   if (question.name == "view")
-    return {200, "application/json", dumped(view_json(parse_result(question.body, "result"), question.corner))};
+    return {200, "application/json", dumped(view_json(*result_of(question), question.corner))};
   if (question.name == "families") return compare_families(question);
   if (question.name == "explain") return explain(question);
   if (question.name == "check") return check(question);
@@ -255,11 +272,12 @@ std::string start_json(const Task& task, const std::string& name) {
 }
 
 Answer answer(const Question& question) {
-  const auto cancelled = [&] { return question.cancel != nullptr && question.cancel->load(); };
+  const Deadline until(question.seconds);
   try {
     Answer given = answer_unguarded(question);
-    // A cancelled search ends with what it has by then; no page waits for it.
-    return cancelled() ? Answer{204, "application/json", ""} : given;
+    // A cancelled search ends with what it has by then. If its time is not over, no page waits for it.
+    const bool unwanted = question.cancel != nullptr && question.cancel->load() && !until.over();
+    return unwanted ? Answer{204, "application/json", ""} : given;
   } catch (const InputError& error) {
     return problem(400, error.what());
   } catch (const std::invalid_argument& error) {

@@ -17,7 +17,12 @@ struct Question {
   std::string_view format;  ///< export: one of `taps_formats`, or "result"; design: "given"
   std::size_t corner = 0;   ///< design, view: the one whose motion is drawn
   double seconds = 1.0;     ///< for the whole answer; at most `most_seconds`
-  const std::atomic<bool>* cancel = nullptr;  ///< true: the answer is not wanted any more
+  /// design: as `accdec design`, to the last digit. The shares of a shorter time limit choose another way, which may
+  /// end with another filter that is as fast. `cancel` ends it after `seconds`.
+  bool whole = false;
+  std::string_view place{};  ///< of the page and slot that ask: the last results of each are held; empty: none are
+  std::size_t held = 0;      ///< view, export: the number of a result that is held, in place of a body; 0: none
+  const std::atomic<bool>* cancel = nullptr;  ///< true: the answer is not wanted any more, or the time is over
 };
 inline constexpr double most_seconds = 60.0;
 /// The page draws every corner; tasks with more are for `accdec design`.
@@ -33,11 +38,12 @@ struct Answer {
 /// Answers a question; errors of any kind are answers, too.
 ///
 /// The answer to "design" is an object. Its result is as `accdec design --json`, without the proof. It also says
-/// whether that proof was rechecked. It has the motion at the corner asked for, and the setting in the words of the
-/// control. Its list of `views` has null for other corners, and for this one if a long filter left no time. The answer
-/// to "view" is such a motion. The answer to "families" has the best member of each family that controllers have. The
-/// answer to "explain" is that of `accdec explain --json`. The answer to "check" has, for each task it had time
-/// for, why that cannot be designed, or null. The answer to "export" is a file, that to "file" the task as a task file.
+/// whether that proof was rechecked, and with which number the result is held. It has the motion at the corner asked
+/// for, and the setting in the words of the control. Its list of `views` has null for other corners, and for this one
+/// if a long filter left no time. The answer to "view" is such a motion. The answer to "families" has the best member
+/// of each family that controllers have. The answer to "explain" is that of `accdec explain --json`. The answer to
+/// "check" has, for each task it had time for, why that cannot be designed, or null. The answer to "export" is a file,
+/// that to "file" the task as a task file.
 Answer answer(const Question& question);
 
 /// The page begins with this: the task, every key of a task, the shipped tasks, the formats of exports.

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -67,6 +68,7 @@ class PageServer : public httplib::Server {
     if (pages_ > 0 || connections_ >= threads) last_sign_ = now;
     return seen_ && now - last_sign_ > closed_for;
   }
+  void cancel_late() { computing_.cancel_late(); }
   void end() {
     computing_.end();
     {
@@ -148,22 +150,26 @@ class PageServer : public httplib::Server {
       refuse(response, {400, "`seconds` is no time; allowed is 0 < seconds <= 60"});
       return;
     }
-    const std::optional<std::size_t> corner = corner_of(request);
-    if (!corner) {
-      refuse(response, {400, "`corner` is no whole number from 0 on"});
+    const std::optional<std::size_t> corner = number_of(request, "corner"), held = number_of(request, "held");
+    if (!corner || !held) {
+      refuse(response, {400, "`corner` or `held` is no whole number from 0 on"});
       return;
     }
     const std::string slot = request.get_param_value("slot");
     for (std::size_t i = 0; i < request.get_param_value_count("ends"); ++i)
       computing_.cancel(request.get_param_value("client"), request.get_param_value("ends", i));
     const std::string place = fmt::format("{}\n{}\n{}", request.get_param_value("client"), name, slot);
-    const Computing::Flag flag = computing_.enter(place);
+    const bool whole = request.has_param("whole");
+    // Other questions keep their time themselves. The question's own clock begins a moment later.
+    const Computing::Flag flag =
+        computing_.enter(place, whole ? *seconds + 0.1 : std::numeric_limits<double>::infinity());
     if (!flag) {
       refuse(response, {503, "too many questions at a time"});
       return;
     }
     const std::string format = request.get_param_value("format");
-    const Answer given = served_.answer({name, request.body, format, *corner, *seconds, flag.get()});
+    const Answer given =
+        served_.answer({name, request.body, format, *corner, *seconds, whole, place, *held, flag.get()});
     computing_.leave(place, flag);
     response.status = given.status;
     response.set_content(given.text, given.type);
@@ -223,7 +229,10 @@ extern "C" void accdec_explore_serve(const Served& served, const std::function<v
   std::thread listener([&] { server.listen_after_bind(); });
   while (!server.is_running()) std::this_thread::sleep_for(1ms);
   ready(server.address());
-  while (!stop.load() && !server.left_alone() && server.is_running()) std::this_thread::sleep_for(100ms);
+  while (!stop.load() && !server.left_alone() && server.is_running()) {
+    std::this_thread::sleep_for(100ms);
+    server.cancel_late();
+  }
   server.end();
   listener.join();
 }

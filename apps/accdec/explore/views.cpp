@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// To eight digits of the largest: enough for a picture, and less than half of the text.
-std::vector<double> drawn(std::vector<double> values) {
+std::vector<double> rounded(std::vector<double> values) {
   double peak = 0.0;
   for (const double v : values) peak = std::max(peak, std::abs(v));
   if (!(peak > 0.0) || !std::isfinite(peak)) return values;
@@ -28,95 +29,211 @@ std::vector<double> drawn(std::vector<double> values) {
   return values;
 }
 
-Json bound_json(const Axis& axis, const AxisLimit& limit) {
-  const double bound = axis.*limit.bound;
-  return bound < unlimited ? Json(bound * limit_name(limit.kind).per_si) : Json(nullptr);
-}
+/// The points of a picture: every sample, or of a long motion two for each of many groups of samples. A group is
+/// narrower than a pixel, and no peak is lost.
+class Points {
+ public:
+  explicit Points(Eigen::Index samples) : samples_(samples), group_(samples > most ? 1 + 2 * samples / most : 1) {}
 
-bool shown(const AxisLimit& limit, const Machine& machine) {
-  if (!limit.load) return true;
-  return std::any_of(machine.axes.begin(), machine.axes.end(),
-                     [&](const Axis& a) { return a.*limit.bound < unlimited; });
-}
+  /// The smallest and the largest value of every group, in their order.
+  std::vector<double> curve(const std::vector<double>& values) const {
+    std::vector<double> shown;
+    visit([&](auto first, auto end) {
+      const auto [low, high] = std::minmax_element(values.begin() + first, values.begin() + end);
+      shown.push_back(*std::min(low, high));
+      if (group_ > 1) shown.push_back(*std::max(low, high));
+    });
+    return rounded(std::move(shown));
+  }
+  /// The first sample of every group, and the one that `other` names of it.
+  template <typename Other>
+  std::vector<Eigen::Index> samples(const Other& other) const {
+    std::vector<Eigen::Index> shown;
+    visit([&](auto first, auto end) {
+      shown.push_back(first);
+      if (group_ > 1) shown.push_back(other(first, end));
+    });
+    return shown;
+  }
+  /// The point of a sample.
+  Eigen::Index of(Eigen::Index sample) const { return group_ == 1 ? sample : 2 * (sample / group_); }
 
-double still_speed(const TaskCorner& corner) {
-  return still_part * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
-}
+ private:
+  static constexpr Eigen::Index most = 4000;
 
-/// One quantity of every axis that moves.
-Json quantity_json(const AxisLimit& limit, const SampledResponse& sampled, const TaskCorner& corner, const Task& task) {
-  const LimitName& name = limit_name(limit.kind);
-  Json axes = Json::array();
-  for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
-    const auto a = static_cast<Eigen::Index>(i);
-    const Corner& legs = corner.geometry();
-    if (std::max(std::abs(legs.direction_in[a]), std::abs(legs.direction_out[a])) < 1e-12) continue;
-    const Axis& axis = task.machine.axes[i];
-    if (limit.load && !(axis.*limit.bound < unlimited)) continue;
+  template <typename Visit>
+  void visit(const Visit& visit) const {
+    for (Eigen::Index first = 0; first < samples_; first += group_) visit(first, std::min(first + group_, samples_));
+  }
+
+  Eigen::Index samples_, group_;
+};
+
+/// The motion at one corner, in the units of people.
+class View {
+ public:
+  View(const DesignResult& result, std::size_t index)
+      : task_(result.task),
+        corner_(task_.corners[index]),
+        legs_(corner_.geometry()),
+        sampled_(simulate_response(*result.filter, legs_, result.corners[index].delay, task_.sample_period,
+                                   task_.machine, result.corners[index].feed_part)),
+        motion_(sampled_.motion()),
+        points_(motion_.velocity.rows()) {}
+
+  Json json() const {
+    std::vector<double> time, speed;
+    for (const Eigen::Index n : points_.samples([](auto, auto end) { return end - 1; }))
+      time.push_back(time_of(static_cast<double>(n)));
+    for (Eigen::Index n = 0; n < motion_.velocity.rows(); ++n)
+      speed.push_back(motion_.velocity.row(n).norm() * limit_name(LimitKind::velocity).per_si);
+    return {{"name", corner_.name},
+            {"time_ms", rounded(std::move(time))},
+            {"events",
+             {{"start", points_.of(motion_.start)},
+              {"blend", points_.of(motion_.corner)},
+              {"stop", points_.of(motion_.stop)}}},
+            {"path", path_json()},
+            {"speed_mm_s", points_.curve(speed)},
+            {"quantities", quantities_json()}};
+  }
+
+ private:
+  /// ms from the corner's command. @param sample  or a fraction between two
+  double time_of(double sample) const { return (sample - motion_.corner) * task_.sample_period * 1e3; }
+
+  bool moves(std::size_t axis) const {
+    const auto a = static_cast<Eigen::Index>(axis);
+    return std::max(std::abs(legs_.direction_in[a]), std::abs(legs_.direction_out[a])) >= 1e-12;
+  }
+  std::vector<double> values(std::size_t axis, LimitKind kind) const {
     std::vector<double> values;
-    for (const AxisState& state : axis_states(sampled, axis, a, task.sample_period, still_speed(corner)))
-      values.push_back(signed_value(state, limit.kind) * name.per_si);
-    axes.push_back({{"name", axis.name}, {"bound", bound_json(axis, limit)}, {"values", drawn(std::move(values))}});
+    for (const AxisState& state :
+         axis_states(sampled_, task_.machine.axes[axis], static_cast<Eigen::Index>(axis), task_.sample_period,
+                     still_part * std::max(legs_.feed_in, legs_.feed_out)))
+      values.push_back(signed_value(state, kind) * limit_name(kind).per_si);
+    return values;
   }
-  return {{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}};
-}
 
-/// The power of all axes together, with one of the limits on it.
-Json supply_json(const SupplyLimit& limit, const SampledResponse& sampled, const TaskCorner& corner, const Task& task) {
-  std::vector<double> sum;
-  for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
-    const std::vector<AxisState> states = axis_states(sampled, task.machine.axes[i], static_cast<Eigen::Index>(i),
-                                                      task.sample_period, still_speed(corner));
-    sum.resize(states.size(), 0.0);
-    for (std::size_t n = 0; n < states.size(); ++n) sum[n] += signed_value(states[n], LimitKind::power);
-  }
-  const LimitName& name = limit_name(limit.kind);
-  const Json curve{{"name", "sum"}, {"bound", task.machine.*limit.bound}, {"values", drawn(std::move(sum))}};
-  return {{"kind", name.name}, {"unit", name.unit}, {"axes", Json::array({curve})}};
-}
-
-/// Axes of the drawing: the machine's own if it has two, else the corner's plane, along the motion and halving the
-/// angle.
-void add_path(Json& view, const SampledMotion& motion, const TaskCorner& corner, const Task& task) {
-  const Machine& machine = task.machine;
-  const Corner& legs = corner.geometry();
-  Eigen::VectorXd across = Eigen::VectorXd::Zero(legs.direction_in.size()), up = across;
-  Json names{"along the motion", "towards the inside"};
-  if (machine.axes.size() == 2) {
-    across[0] = 1.0, up[1] = 1.0;
-    names = {machine.axes[0].name, machine.axes[1].name};
-  } else {
-    const auto unit = [](const Eigen::VectorXd& v) {
-      return v.norm() > 1e-9 ? Eigen::VectorXd(v / v.norm()) : Eigen::VectorXd(0.0 * v);
+  /// @param high, low  bounds of magnitudes above and below zero, SI
+  Json curve_json(const std::string& name, const std::vector<double>& values, double high, double low,
+                  LimitKind kind) const {
+    const auto bound = [&](double signed_bound) {
+      return std::abs(signed_bound) < unlimited ? Json(signed_bound * limit_name(kind).per_si) : Json(nullptr);
     };
-    across = unit(legs.direction_in + legs.direction_out), up = unit(legs.direction_out - legs.direction_in);
+    return {{"name", name}, {"bounds", {bound(high), bound(-low)}}, {"values", points_.curve(values)}};
   }
-  constexpr double micrometres = 1e6;
-  std::vector<double> x, y, off, speed;
-  Json between = Json::array();
-  const PathDistance path = path_distance(motion.position, legs);
-  for (std::size_t i = 0; i < path.time.size(); ++i) {
-    const double time = path.time[i], distance = micrometres * path.distance[i];
-    if (time == std::floor(time))
-      off.push_back(distance);
-    else
-      between.push_back({(time - static_cast<double>(motion.corner)) * task.sample_period * 1e3, distance});
+  static void add_quantity(LimitKind kind, Json axes, Json& quantities) {
+    const LimitName& name = limit_name(kind);
+    if (!axes.empty()) quantities.push_back({{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}});
   }
-  for (Eigen::Index n = 0; n < motion.position.rows(); ++n) {
-    const Eigen::VectorXd s = motion.position.row(n).transpose() * micrometres;
-    x.push_back(s.dot(across)), y.push_back(s.dot(up));
-    speed.push_back(motion.velocity.row(n).norm() * limit_name(LimitKind::velocity).per_si);
+
+  /// Every axis that moves; a load only of those where it is limited.
+  void add_axes(const AxisLimit& limit, Json& quantities) const {
+    Json axes = Json::array();
+    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
+      const Axis& axis = task_.machine.axes[a];
+      const double bound = axis.*limit.bound;
+      if (moves(a) && (!limit.load || bound < unlimited))
+        axes.push_back(curve_json(axis.name, values(a, limit.kind), bound, bound, limit.kind));
+    }
+    add_quantity(limit.kind, std::move(axes), quantities);
   }
-  const auto flat = [&](const Eigen::VectorXd& u) { return Json{u.dot(across), u.dot(up)}; };
-  view["path"] = {{"names", names},
-                  {"x_um", drawn(std::move(x))},
-                  {"y_um", drawn(std::move(y))},
-                  {"in", flat(legs.direction_in)},
-                  {"out", flat(legs.direction_out)},
-                  {"off_um", drawn(std::move(off))},
-                  {"between", std::move(between)}};  // ms, um: where the path is farther off than at both samples
-  view["speed_mm_s"] = drawn(std::move(speed));
-}
+
+  /// Power has a bound of its own for driving, above zero, and for braking, below. If one axis has all the power, the
+  /// bounds of the supply are on its curve, too.
+  void add_power(Json& quantities) const {
+    const Machine& machine = task_.machine;
+    std::vector<std::pair<const Axis*, std::vector<double>>> working;
+    for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+      std::vector<double> power = moves(a) ? values(a, LimitKind::power) : std::vector<double>();
+      if (std::any_of(power.begin(), power.end(), [](double p) { return p != 0.0; }))
+        working.emplace_back(&machine.axes[a], std::move(power));
+    }
+    const bool alone = working.size() == 1;
+    Json axes = Json::array();
+    std::vector<double> sum;
+    for (const auto& [axis, power] : working) {
+      const double high = alone ? std::min(axis->power_max, machine.power_total_max) : axis->power_max;
+      const double low =
+          alone ? std::min(axis->regeneration_max, machine.regeneration_total_max) : axis->regeneration_max;
+      if (high < unlimited || low < unlimited)
+        axes.push_back(curve_json(axis->name, power, high, low, LimitKind::power));
+      sum.resize(power.size(), 0.0);
+      for (std::size_t n = 0; n < power.size(); ++n) sum[n] += power[n];
+    }
+    add_quantity(LimitKind::power, std::move(axes), quantities);
+    if (working.size() < 2 || !limits_supply(machine)) return;
+    add_quantity(LimitKind::power_total,
+                 Json::array({curve_json("sum", sum, machine.power_total_max, machine.regeneration_total_max,
+                                         LimitKind::power_total)}),
+                 quantities);
+  }
+
+  Json quantities_json() const {
+    Json quantities = Json::array();
+    for (const AxisLimit& limit : axis_limits) {
+      if (limit.kind == LimitKind::power)
+        add_power(quantities);
+      else if (limit.kind != LimitKind::regeneration)
+        add_axes(limit, quantities);
+    }
+    return quantities;
+  }
+
+  /// Axes of the drawing: the machine's own if it has two, else the corner's plane, along the motion and halving the
+  /// angle.
+  Json path_json() const {
+    const Machine& machine = task_.machine;
+    Eigen::VectorXd across = Eigen::VectorXd::Zero(legs_.direction_in.size()), up = across;
+    Json names{"along the motion", "towards the inside"};
+    if (machine.axes.size() == 2) {
+      across[0] = 1.0, up[1] = 1.0;
+      names = {machine.axes[0].name, machine.axes[1].name};
+    } else {
+      const auto unit = [](const Eigen::VectorXd& v) {
+        return v.norm() > 1e-9 ? Eigen::VectorXd(v / v.norm()) : Eigen::VectorXd(0.0 * v);
+      };
+      across = unit(legs_.direction_in + legs_.direction_out), up = unit(legs_.direction_out - legs_.direction_in);
+    }
+    constexpr double micrometres = 1e6;
+    std::vector<double> x, y, off;
+    Json between = Json::array();
+    const PathDistance path = path_distance(motion_.position, legs_);
+    for (std::size_t i = 0; i < path.time.size(); ++i) {
+      const double distance = micrometres * path.distance[i];
+      if (path.time[i] == std::floor(path.time[i]))
+        off.push_back(distance);
+      else
+        between.push_back({time_of(path.time[i]), distance});
+    }
+    // The place nearest to the corner is always drawn.
+    const auto nearest = [&](Eigen::Index first, Eigen::Index end) {
+      Eigen::Index found = 0;
+      motion_.position.middleRows(first, end - first).rowwise().squaredNorm().minCoeff(&found);
+      return first + found;
+    };
+    for (const Eigen::Index n : points_.samples(nearest)) {
+      const Eigen::VectorXd s = motion_.position.row(n).transpose() * micrometres;
+      x.push_back(s.dot(across)), y.push_back(s.dot(up));
+    }
+    const auto flat = [&](const Eigen::VectorXd& u) { return Json{u.dot(across), u.dot(up)}; };
+    return {{"names", names},
+            {"x_um", rounded(std::move(x))},
+            {"y_um", rounded(std::move(y))},
+            {"in", flat(legs_.direction_in)},
+            {"out", flat(legs_.direction_out)},
+            {"off_um", points_.curve(off)},
+            {"between", std::move(between)}};  // ms, um: where the path is farther off than at both samples
+  }
+
+  const Task& task_;
+  const TaskCorner& corner_;
+  const Corner& legs_;
+  const SampledResponse sampled_;
+  const SampledMotion& motion_;
+  const Points points_;
+};
 
 }  // namespace
 
@@ -124,26 +241,7 @@ Json view_json(const DesignResult& result, std::size_t index) {
   if (!result.filter || index >= result.corners.size()) throw std::invalid_argument("there is no such corner to draw");
   if (result.filter->order() >= longest_drawn)
     throw std::invalid_argument(fmt::format("a filter of more than {} taps is not drawn", longest_drawn));
-  const Task& task = result.task;
-  const TaskCorner& corner = task.corners[index];
-  const SampledResponse sampled = simulate_response(*result.filter, corner.geometry(), result.corners[index].delay,
-                                                    task.sample_period, task.machine, result.corners[index].feed_part);
-  const SampledMotion& motion = sampled.motion();
-  std::vector<double> time;
-  for (Eigen::Index n = 0; n < motion.velocity.rows(); ++n)
-    time.push_back(static_cast<double>(n - motion.corner) * task.sample_period * 1e3);
-  Json view{{"name", corner.name},
-            {"time_ms", drawn(std::move(time))},
-            {"events", {{"start", motion.start}, {"blend", motion.corner}, {"stop", motion.stop}}}};
-  add_path(view, motion, corner, task);
-  view["quantities"] = Json::array();
-  for (const AxisLimit& limit : axis_limits) {
-    if (shown(limit, task.machine)) view["quantities"].push_back(quantity_json(limit, sampled, corner, task));
-  }
-  for (const SupplyLimit& limit : supply_limits) {
-    if (task.machine.*limit.bound < unlimited) view["quantities"].push_back(supply_json(limit, sampled, corner, task));
-  }
-  return view;
+  return View(result, index).json();
 }
 
 }  // namespace accdec::explore

@@ -184,6 +184,10 @@ std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& mot
     if (speed < at_rest) passed -= rests.take(joint, passed);
     lose(joint, slower, passed);
   });
+  // Rounding of speeds is no time lost.
+  for (CornerLoss& loss : classes) {
+    if (std::abs(loss.time) < 1e-6 * motion.sample_period) loss.time = 0.0;
+  }
   return classes;
 }
 

@@ -5,25 +5,12 @@ import { colour, marks } from "./marks.js";
 const dashes = [[], [7, 4], [2, 3], [10, 3, 2, 3]];
 const sync = "time";
 
-/** Values of several curves on one time axis; null where a curve has no sample. */
+/** Values of several curves on one time axis; null where a curve has no point. @param period  of samples, or null */
 function aligned(curves, period) {
-  const index = (t) => Math.round(t / period);
-  let first = Infinity,
-    last = -Infinity;
-  for (const { time } of curves) (first = Math.min(first, index(time[0]))), (last = Math.max(last, index(time.at(-1))));
-  const columns = [Array.from({ length: last - first + 1 }, (_, i) => (first + i) * period)];
-  for (const { time, values } of curves) {
-    const column = new Array(columns[0].length).fill(null);
-    const from = index(time[0]) - first;
-    values.forEach((v, i) => (column[from + i] = v));
-    columns.push(column);
-  }
-  return columns;
+  const snapped = (t) => (period ? Math.round(t / period) * period : t);
+  const columns = uPlot.join(curves.map(({ time, values }) => [time.map(snapped), values]));
+  return columns.map((column) => column.map((v) => v ?? null));
 }
-
-/** The same for curves that also have points between samples. */
-const joined = (curves) =>
-  uPlot.join(curves.map(({ time, values }) => [time, values])).map((column) => column.map((v) => v ?? null));
 
 /** Arrow keys move the cursor of a chart, and so that of all with it; Home and End go to its ends. */
 export function withKeys(place, plotNow) {
@@ -81,7 +68,7 @@ export class Chart {
   /** specs: {label, values, time, axis, before, bound, steps, word, bars}; limits: {value}; x: range or null. */
   show(specs, limits, { period, x, y, extra }) {
     const signature = JSON.stringify(specs.map((s) => [s.label, s.axis, s.before, s.steps, s.bars]));
-    const data = this.between ? joined(specs) : aligned(specs, period);
+    const data = aligned(specs, this.between ? null : period);
     this.now = { specs, limits, x, y, extra };
     if (this.plot && signature === this.signature) {
       this.plot.setData(data, false);
@@ -150,7 +137,7 @@ export class Chart {
           label: spec.label,
           value: shownValue,
           scale: "y",
-          spanGaps: this.between,
+          spanGaps: true, // long motions have other points each
           points: { show: false },
           stroke: colour(spec.before ? "before" : "design"),
           width: spec.before ? 1.5 : (spec.thick ?? 2),

@@ -3,6 +3,7 @@ import { Chart } from "./curves.js";
 import { binding, colour } from "./marks.js";
 
 const points = 300;
+const most_drawn = 4000; // taps
 
 /** |sum b_i exp(-(z + j sqrt(1 - z^2)) 2 pi f (N - i) T)| */
 function left(taps, f, period, damping) {
@@ -27,6 +28,14 @@ function top(taps, period, modes) {
   return Math.min(most, 0.5 / period);
 }
 
+/** Of very many taps the largest of each group that is narrower than a pixel. */
+function shownTaps(taps, ms) {
+  const group = Math.ceil(taps.length / most_drawn);
+  const largest = (_, n) => Math.max(...taps.slice(n * group, (n + 1) * group));
+  const values = Array.from({ length: Math.ceil(taps.length / group) }, largest);
+  return { time: values.map((_, n) => n * group * ms), values };
+}
+
 export class FilterCharts {
   constructor(taps, response) {
     this.taps = new Chart(taps, { together: false, xTitle: "ms" });
@@ -39,7 +48,7 @@ export class FilterCharts {
     const { filter: now, sample_period_s: period } = result,
       modes = result.task.mode ?? [];
     const ms = 1e3 * period;
-    const tap = (filter, rest) => ({ time: filter.taps.map((_, i) => i * ms), values: filter.taps, axis: 0, ...rest });
+    const tap = (filter, rest) => ({ ...shownTaps(filter.taps, ms), axis: 0, ...rest });
     const specs = [tap(now, { label: "design", bars: true })];
     if (before) specs.push(tap(before, { label: "before", before: true, steps: true }));
     const last = Math.max(now.taps.length, before?.taps.length ?? 0);

@@ -2,12 +2,13 @@
 import { Beside, withFilter } from "./beside.js";
 import { Controls } from "./controls.js";
 import { Chart } from "./curves.js";
+import { Designs } from "./designs.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
 import { showUndo } from "./history.js";
 import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
-import { better, hurried, unfinished } from "./proof.js";
+import { better } from "./proof.js";
 import { Latest, askJson, begin, latency, stayAlive } from "./requests.js";
 import { pageText } from "./save.js";
 import { State } from "./state.js";
@@ -31,7 +32,7 @@ shared.pageText = (wait) => pageText(shared, wait);
 /** Answers under way that replace what is drawn, in words. */
 shared.awaited = () => {
   const drawn = [today, beside.member, views.latest, viewsBefore.latest];
-  const asked = { "the design": [design], "a longer search": [longer], "the families": [families, thorough], "what is drawn": drawn };
+  const asked = { "the design": [designs.whole], "a longer search": [designs.meanwhile], "the families": [families, thorough], "what is drawn": drawn };
   return Object.keys(asked).filter((name) => asked[name].some((one) => one.busy || one.next));
 };
 const state = (shared.state = new State(start.task, changed, chosen));
@@ -62,24 +63,7 @@ if (state.broken) note("The address holds no task that can be read: this is the 
 
 // --- questions ---
 
-// The first attempt at a proof has a share of the time; it must do on a busy machine, too.
-const moment = 0.6; // s
-const design = new Latest(
-  (task) => askJson("design", task, { seconds: moment, corner: corner() }),
-  (answer, task) => {
-    showDesign(answer, task);
-    latency("design");
-    if (unfinished(answer)) longer.put(task);
-    else if (hurried(answer, moment)) setTimeout(() => settled() && page.design.of === textOf(task) && longer.put(task), 300);
-  },
-  fail,
-);
-// A design that is not proved in a moment gets more time, until the task changes.
-const longer = new Latest(
-  (task) => askJson("design", task, { seconds: 20, slot: "longer", corner: corner() }),
-  showDesign,
-  fail,
-);
+const designs = new Designs(corner, showDesign, fail);
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
   (task) => askJson("families", task, { seconds: 0.015, ends: ["longer", "thorough"] }),
@@ -144,12 +128,12 @@ function chosen() {
 
 function ask() {
   const task = structuredClone(state.task);
-  longer.drop(), thorough.drop();
+  designs.drop(), thorough.drop();
   families.put(task);
 }
 
 function askRest(task) {
-  design.put(task);
+  designs.put(task);
   if (filterOfToday(task)) today.put(task);
   else page.today = null;
   beside.ask(task);
@@ -159,6 +143,7 @@ function askRest(task) {
 
 function showDesign(answer, task) {
   const next = { ...answer, of: textOf(task) };
+  if (page.design?.of !== next.of) latency("design");
   if (!better(next, page.design)) return draw(false);
   page.design = next;
   trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
@@ -200,7 +185,7 @@ const compared = () => found(beside.family ? beside.answer : page.today);
 
 function drawNow() {
   const answer = found(page.design);
-  page.searching = Boolean(longer.busy || longer.next);
+  page.searching = designs.searching || (designs.finding && settled());
   summary(page);
   if (page.design) document.body.classList.add("ready");
   drawFamilies();
@@ -243,7 +228,7 @@ function drawNow() {
   const said = `largest ${(1e6 * result.corners[i].contour_deviation_m).toFixed(2)}`;
   $("#off h2").textContent = `Distance from the legs / \u00b5m: ${said}`;
   off.show(
-    [...(old ? [distance(shownBefore, true)] : []), { ...distance(shown, false), bound: most }],
+    [...(old ? [distance(shownBefore, true)] : []), { ...distance(shown, false), bounds: [most] }],
     most ? [{ value: most }] : [],
     { period, x },
   );

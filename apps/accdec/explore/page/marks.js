@@ -2,6 +2,10 @@
 
 export const binding = 0.999; // share of a limit from which it binds
 
+/** The one of a curve's bounds, above and below zero, that a value uses to the full; `least`: it is the smallest. */
+export const boundAt = (v, { bounds, least }) =>
+  bounds.find((bound) => bound && (least ? Math.abs(v / bound - 1) <= 1 - binding : v / bound >= binding));
+
 const known = new Map();
 /** A colour of the palette, read once: between two changes of the page, reading makes the browser work on both. */
 export function colour(name) {
@@ -50,13 +54,11 @@ export function marks(specs, limits) {
     (ctx.strokeStyle = colour("binds")), (ctx.lineWidth = 4 * ratio);
     ctx.beginPath();
     specs.forEach((spec, i) => {
-      if (!spec.bound || spec.before) return;
-      const binds = spec.least
-        ? (v) => Math.abs(v / spec.bound - 1) <= 1 - binding
-        : (v) => Math.abs(v) >= binding * spec.bound && (spec.sides ?? [1, -1]).includes(Math.sign(v));
+      if (!spec.bounds || spec.before) return;
       plot.data[i + 1].forEach((v, n) => {
-        if (v === null || n === 0 || !binds(v)) return;
-        const y = plot.valToPos(Math.sign(v) * spec.bound, "y", true);
+        const bound = v === null || n === 0 ? undefined : boundAt(v, spec);
+        if (bound === undefined) return;
+        const y = plot.valToPos(bound, "y", true);
         const [a, b] = [n - 1, n].map((k) => plot.valToPos(plot.data[0][k], "x", true));
         ctx.moveTo(a, y), ctx.lineTo(b, y);
       });

@@ -1,7 +1,7 @@
 // Quantities over time at a corner: design over before, limits where they are and red where they bind.
 import { Chart } from "./curves.js";
 import { make, unit } from "./format.js";
-import { binding } from "./marks.js";
+import { boundAt } from "./marks.js";
 
 /** The samples of a view between the start that ends and the stop that begins: the legs are as short as they can be. */
 export function blendOnly(view) {
@@ -28,13 +28,8 @@ export function distances({ time_ms, path }, period) {
   return { time: points.map(([t]) => t), values: points.map(([, x]) => (x < 1e-6 ? 0 : x)) };
 }
 
-/** Power has a bound of its own for driving, above zero, and for braking, below. */
-const sidesOf = { power: [1], regeneration: [-1], power_total: [1], regeneration_total: [-1] };
 /** "power of all axes / W" */
 const titleOf = ({ kind, unit: of }) => `${kind.replace(/_total$/, " of all axes").replaceAll("_", " ")} / ${unit(of)}`;
-
-const binds = (axis, sides) =>
-  axis.values.some((v) => Math.abs(v) >= binding * axis.bound && sides.includes(Math.sign(v)));
 
 /** Limits with the names of their axes; without, where all axes have the same, and below zero where both sides have it. */
 const named = (limits, axes) =>
@@ -75,7 +70,6 @@ export class Motion {
           steps: quantity.kind !== "velocity",
         }),
       );
-      const sides = sidesOf[quantity.kind] ?? [1, -1];
       quantity.axes.forEach((axis, i) => {
         specs.push({
           label: axis.name,
@@ -83,20 +77,20 @@ export class Motion {
           time: now.time_ms,
           values: axis.values,
           axis: i,
-          bound: axis.bound,
-          sides,
+          bounds: axis.bounds,
           steps: quantity.kind !== "velocity",
         });
-        if (axis.bound !== null)
-          for (const side of sides) limits.set(side * axis.bound, [...(limits.get(side * axis.bound) ?? []), axis.name]);
+        for (const bound of axis.bounds)
+          if (bound !== null) limits.set(bound, [...(limits.get(bound) ?? []), axis.name]);
       });
       if (quantity.kind === "velocity") {
         // The smallest speed is asked for between the legs: not at the start, nor at the stop.
-        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bound: least, least });
+        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bounds: [least], least: true });
         if (least) limits.set(least, ["smallest allowed"]);
       }
       const chart = this.charts.get(quantity.kind);
-      const bind = quantity.axes.filter((axis) => axis.bound !== null && binds(axis, sides)).map((axis) => axis.name);
+      const uses = (axis) => axis.values.some((v) => boundAt(v, axis) !== undefined);
+      const bind = quantity.axes.filter(uses).map((axis) => axis.name);
       const names = bind.length ? `: ${bind.join(", ")} ${bind.length > 1 ? "bind" : "binds"}` : "";
       chart.heading.textContent = titleOf(quantity) + names;
       chart.show(

@@ -106,7 +106,7 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
     });
     for (const [draw, title, values, bound] of drawn) {
       const series = [{ label: "s", value: (_, t) => (t === null ? "\u2013" : instant(t)) }];
-      const specs = [{ bound }];
+      const specs = [{ bounds: [bound, -bound] }];
       let data = [plan.t_s, values(plan)];
       series.push({ label: plan.plan, value: shownValue, stroke: colour("design"), width: 1.5, spanGaps: true });
       if (before) {

@@ -49,18 +49,31 @@ function cornerTitle(corner) {
   return `The corner of line ${corner.line} by itself, from rest to rest at ${feeds} mm/min${now === asked ? "" : ` (programmed: ${asked})`}`;
 }
 
-const scene = new Scene($("#path canvas"), showMark, (place) => {
-  const at = (i) => scene.at(program.corners[i].at_mm);
-  const i = scene.nearest(program.corners.length, at, place, 15);
-  if (i >= 0) choose(i);
-}, (view) => state.set({ view }));
+/** The corner nearest to a place. @param at  the place of a corner at so many mm */
+const nearestCorner = (at, place, reach = Infinity) =>
+  scene.nearest(program.corners.length, (i) => at(program.corners[i].at_mm), place, reach);
+const drawnAt = (mm) => scene.at(mm);
+const clicked = (place) => choose(nearestCorner(drawnAt, place, 15));
+const scene = new Scene($("#path canvas"), showMark, clicked, (view) => state.set({ view }));
 const state = new Shown(show);
 
-/** Opens a corner above the path. */
+/** Opens a corner above the path; below 0: none. */
 function choose(i) {
+  if (i < 0) return;
   state.set({ corner: String(i) });
   $("#corner").scrollIntoView();
 }
+
+/** By a key: the corner nearest to the cursor; without one, that which is open, or the one in the middle. */
+function enter() {
+  const { clientWidth, clientHeight } = scene.canvas;
+  const places = program.plans[shown.plan].places_mm.map((axis) => axis[shown.mark]);
+  if (shown.mark >= 0) choose(nearestCorner((mm) => mm, places));
+  else if (program.corners[state.now.corner]) choose(Number(state.now.corner));
+  else choose(nearestCorner(drawnAt, [clientWidth / 2, clientHeight / 2]));
+}
+for (const place of ["#path canvas", "#over-time"])
+  $(place).addEventListener("keydown", (event) => event.key === "Enter" && enter());
 
 function tell(i) {
   shown.mark = scene.mark = i;
@@ -157,9 +170,9 @@ function tables() {
   const rows = plan.lost.map((l) => [
     l.turn,
     String(l.count),
-    four(l.time_s),
-    four((1e3 * l.time_s) / l.count),
-    ...(before ? [four(lost.get(l.turn) ?? 0)] : []),
+    l.time_s.toFixed(4),
+    ((1e3 * l.time_s) / l.count).toFixed(3),
+    ...(before ? [(lost.get(l.turn) ?? 0).toFixed(4)] : []),
   ]);
   const wide = (content) => make("div", { class: "wide" }, content);
   $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(columns, rows)));
@@ -182,7 +195,8 @@ function summary() {
   const time = make("b", { id: "time", "data-value": plan.cycle_time_s }, seconds(plan.cycle_time_s));
   $("#sentence").replaceChildren(`Plan ${plan.plan}: `, time, ". Every sample holds its limits.");
   const saved = before ? before.cycle_time_s - plan.cycle_time_s : 0;
-  const than = saved ? `${seconds(Math.abs(saved))} ${saved < 0 ? "more" : "less"} than` : "As long as";
+  const same = Math.abs(saved) < 1e-6; // of rounding
+  const than = same ? "As long as" : `${instant(Math.abs(saved))} s ${saved < 0 ? "more" : "less"} than`;
   $("#today").textContent = before
     ? `${than} plan ${before.plan}, which is drawn in grey.`
     : "The other plan does not hold here.";

@@ -1,17 +1,17 @@
 // What an answer to "design" has proved, and whether a longer search may say more.
 
+import { objective } from "./format.js";
+
 export const proved = (answer) => answer?.result.status === "optimal" && answer.proof.rechecked;
 
 /** Whether a longer search may find something faster, or a proof that was not found or rechecked in time. */
 export const unfinished = ({ result, proof }) =>
-  result.stop === "time limit" || (result.status === "optimal" && !proof.rechecked);
+  ["time limit", "interrupted"].includes(result.stop) || (result.status === "optimal" && !proof.rechecked);
 
-/**
- * Whether methods may have been cut off before one of them found the proof: with more time another filter as fast may be
- * found, which is that of the command line. Less than the smallest share of the time cuts nothing off.
- * @param seconds  that the search had
- */
-export const hurried = ({ result }, seconds) => !(result.solver.wall_time_s < 0.05 * seconds);
-
-/** Keeps what is proved: on a machine that has other work, a longer search may come less far. */
-export const better = (now, before) => !(before && proved(before) && before.of === now.of && !proved(now));
+/** Of two answers to one task the complete one is kept, else that which is proved, else the faster one. */
+export function better(now, before) {
+  if (before?.of !== now.of || now.complete) return true;
+  if (before.complete || proved(before) !== proved(now)) return !before.complete && proved(now);
+  const time = ({ result }) => (result.filter ? objective(result) : Infinity);
+  return time(now) <= time(before);
+}

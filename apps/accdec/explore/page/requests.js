@@ -4,8 +4,10 @@ const client = Math.random().toString(36).slice(2);
 
 export class Superseded extends Error {}
 
-async function post(name, body, { slot = "", seconds = 1, format = "", corner = 0, ends = [] } = {}) {
-  const query = new URLSearchParams({ client, slot, seconds, format, corner });
+async function post(name, body, options = {}) {
+  const { slot = "", seconds = 1, format = "", corner = 0, held = 0, whole = false, ends = [] } = options;
+  const query = new URLSearchParams({ client, slot, seconds, format, corner, held });
+  if (whole) query.append("whole", "");
   // Slots whose questions are about an older task: the program gives up on them.
   for (const one of ends) query.append("ends", one);
   let response;
@@ -35,6 +37,8 @@ async function post(name, body, { slot = "", seconds = 1, format = "", corner = 
 export const askJson = async (name, body, options) => (await post(name, body, options)).json();
 export const askText = async (name, body, options) => (await post(name, body, options)).text();
 export const askBlob = async (name, body, options) => (await post(name, body, options)).blob();
+/** Body and options of a question about a result: the program holds it, else the page sends it. */
+export const about = ({ result, held }, options) => (held ? ["", { ...options, held }] : [result, options]);
 export const begin = async () => (await fetch("start")).json();
 
 /** ms from the last change to the drawn answer, for who measures. */

@@ -125,13 +125,12 @@ export class Scene {
     }
   }
 
-  /** The index of the nearest of these places within `reach` px, or -1. */
-  nearest(count, place, [x, y], reach) {
+  /** The index of the nearest of these places within `reach`, or -1. */
+  nearest(count, place, to, reach) {
     let best = reach * reach,
       found = -1;
     for (let i = 0; i < count; ++i) {
-      const [a, b] = place(i);
-      const far = (a - x) ** 2 + (b - y) ** 2;
+      const far = place(i).reduce((sum, x, a) => sum + (x - to[a]) ** 2, 0);
       if (far < best) (best = far), (found = i);
     }
     return found;

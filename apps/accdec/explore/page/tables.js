@@ -138,11 +138,13 @@ export function cornerButtons(place, result, chosen, choose) {
 /** In the numbers of the command line. */
 export const cornerTable = ({ head, rows }) => table(head.map(unit), rows);
 
-export const tapTable = (result) =>
-  table(
-    ["tap", "weight"],
-    result.filter.taps.map((b, i) => [String(i), String(b)]),
-  );
+/** Of very many taps the first ones. */
+export function tapTable({ filter: { taps } }, most = 5000) {
+  const rows = taps.slice(0, most).map((b, i) => [String(i), String(b)]);
+  const more = taps.length - rows.length;
+  const rest = more ? make("p", { class: "small" }, `and ${more} more: export the taps`) : null;
+  return make("div", {}, table(["tap", "weight"], rows), rest);
+}
 
 /** A key, which a phone may show on several lines. */
 const keyCell = (key) => make("span", {}, ...key.split(/(?<=[._])/).flatMap((part) => [part, make("wbr")]));

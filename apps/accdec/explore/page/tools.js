@@ -6,6 +6,23 @@ import { askJson } from "./requests.js";
 import { copyTask, exportChoice, savePage } from "./save.js";
 import { explanationTable } from "./tables.js";
 
+/** Keys go through the choices of a closed menu, and Enter or leaving it chooses. An open menu says by itself which. */
+function onChoice(select, choose) {
+  let walking = false;
+  const chosen = () => {
+    if (walking) choose(select.value);
+    walking = false;
+  };
+  select.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && walking) event.preventDefault(), chosen(); // else it opens the menu
+    const walks = /^(Arrow|Page|Home$|End$)/.test(event.key) || (event.key.length === 1 && event.key !== " ");
+    walking ||= walks && !event.altKey;
+  });
+  select.addEventListener("pointerdown", chosen);
+  select.addEventListener("blur", chosen);
+  select.addEventListener("change", () => walking || choose(select.value));
+}
+
 export function tools(shared, draw) {
   const { start, state } = shared;
   $("#undo").onclick = () => state.undo();
@@ -27,10 +44,9 @@ export function tools(shared, draw) {
   /** The menu names the task that is shown. */
   shared.named = () => ($("#shipped").value = known.get(JSON.stringify(state.task)) ?? "changed");
   shared.named();
-  $("#shipped").onchange = (event) => {
-    const shipped = start.shipped.find((s) => s.name === event.target.value);
-    state.replace(shipped?.task ?? start.task);
-  };
+  onChoice($("#shipped"), (name) => {
+    if (name !== "changed") state.replace(start.shipped.find((s) => s.name === name)?.task ?? start.task);
+  });
   $("#explain").onclick = async () => {
     const button = $("#explain"),
       place = $("#limits .wide");

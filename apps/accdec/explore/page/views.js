@@ -1,5 +1,5 @@
 // The motion at the corner that is shown: an answer has that of one corner, others are asked for.
-import { askJson, Latest } from "./requests.js";
+import { about, askJson, Latest } from "./requests.js";
 
 export class Views {
   /**
@@ -9,7 +9,7 @@ export class Views {
    */
   constructor(slot, draw, fail) {
     this.latest = new Latest(
-      ({ answer, corner }) => askJson("view", answer.result, { corner, slot, seconds: 20 }),
+      ({ answer, corner }) => askJson("view", ...about(answer, { corner, slot, seconds: 20 })),
       (view, { answer, corner }) => ((answer.views[corner] = view), draw()),
       (error, { answer, corner }) => ((answer.views[corner] = false), fail(error)),
     );

@@ -42,6 +42,8 @@ async function fetch(address, { body = "" } = {}) {
   for (const one of [...workers.keys()]) if (one === kind || ended.includes(one.split(" ")[1])) end(one);
   const mine = { worker: workers.get(kind)?.worker ?? worker() };
   workers.set(kind, mine);
+  // A whole search has no time limit of its own.
+  if ("whole" in ask) setTimeout(() => workers.get(kind) === mine && end(kind), 1e3 * ask.seconds);
   return new Promise((answer) => {
     mine.answer = answer;
     mine.worker.then((w) => {
@@ -50,7 +52,8 @@ async function fetch(address, { body = "" } = {}) {
         mine.answer = null;
         answer(new Response(data.bytes, { status: data.status, headers: { "Content-Type": data.type } }));
       };
-      w.postMessage({ name, body, format: ask.format ?? "", corner: Number(ask.corner ?? 0), seconds: Number(ask.seconds ?? 1) });
+      const { format = "", corner = 0, seconds = 1 } = ask;
+      w.postMessage({ name, body, format, corner: Number(corner), seconds: Number(seconds), whole: "whole" in ask });
     });
   });
 }

@@ -24,10 +24,12 @@ const char* accdec_start() {
   return last.text.data();
 }
 
-const char* accdec_answer(const char* name, const char* body, const char* format, int corner, double seconds) {
+const char* accdec_answer(const char* name, const char* body, const char* format, int corner, double seconds,
+                          bool whole) {
   accdec::explore::Question question{.name = name, .body = body, .format = format};
   question.corner = static_cast<std::size_t>(std::max(0, corner));
   question.seconds = seconds > 0.0 && seconds <= accdec::explore::most_seconds ? seconds : 1.0;
+  question.whole = whole;
   last = accdec::explore::answer(question);
   return last.text.data();
 }
