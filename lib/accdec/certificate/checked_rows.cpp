@@ -99,16 +99,6 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
   if (!all) throw Rejected("a multiplier names a limit beyond its window");
 }
 
-void CheckedRows::add_tap(CheckedSum& sum, int i, const Interval& c) const {
-  if (!response_.smooths()) return sum.tap(i, c);
-  for (const Interval& tap : response_.command()) sum.tap(i--, c * tap);
-}
-
-void CheckedRows::add_response(CheckedSum& sum, int k, const Interval& c) const {
-  if (!response_.smooths()) return sum.response(k, c);
-  for (const Interval& tap : response_.command()) sum.response(k--, c * tap);
-}
-
 void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
   const std::optional<int> n = checked_differences(row.limit);
   if (!n) throw Rejected("a multiplier names a difference that no limit bounds");
@@ -116,7 +106,7 @@ void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weigh
   require_limit(max);
   if (row.sample < 0 || row.sample > sum.order() + static_cast<int>(response_.command().size()) - 1 + *n) return;
   const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(max);
-  add_difference(*n, row.sample, c, Interval(1.0), [&](int i, const Interval& f) { add_tap(sum, i, f); });
+  add_difference(*n, row.sample, c, Interval(1.0), [&](int i, const Interval& f) { sum.command_tap(i, f); });
   sum.rhs = sum.rhs + weight;
 }
 
@@ -130,8 +120,8 @@ void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, 
   // At a start drag and the line's fall both add to the force; at a stop drag brakes.
   const Interval drag = row.stop ? Interval(x.damping) - force.slope : Interval(x.damping) + force.slope;
   const Interval scale = weight * speed / force.bound;
-  add_tap(sum, k - 1, scale * Interval(x.mass) / period());
-  add_response(sum, k, scale * drag);
+  sum.command_tap(k - 1, scale * Interval(x.mass) / period());
+  sum.command_response(k, scale * drag);
   sum.rhs = sum.rhs + weight;
   if (row.stop) sum.rhs = sum.rhs + scale * drag;
   sum.rhs = sum.rhs + weight * checked_friction(x, row.stop) / force.bound;
@@ -220,7 +210,7 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
     // The taps that an end of the window stands for may have any phase.
     const bool end = box.window && (i == 0 || i + 1 == commands);
     const Interval phase = end ? Interval(-1.0) : interval_cos(w * static_cast<double>(i) - Interval(row.angle));
-    add_tap(sum, static_cast<int>(i), fallen * phase);
+    sum.command_tap(static_cast<int>(i), fallen * phase);
     if (damped) fallen = fallen * fall;
   }
   sum.rhs = sum.rhs + weight * bound_of_mode(row, mode, box);
@@ -272,8 +262,8 @@ void CheckedRows::add_row(const proof::Reversal& row, const Interval& weight, Ch
       weight * (after == (out.lo > 0.0) ? -1.0 : 1.0) / Interval(std::max(c.geometry().feed_in, c.geometry().feed_out));
   sum.rhs = sum.rhs - scale * in;
   if (!after) sum.rhs = sum.rhs + weight * (2.0 * still_part);
-  add_response(sum, row.sample, -1.0 * scale * in);
-  add_response(sum, row.sample - d, scale * out);
+  sum.command_response(row.sample, -1.0 * scale * in);
+  sum.command_response(row.sample - d, scale * out);
 }
 
 void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
@@ -287,8 +277,8 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
   const Interval y = weight * (row.sign < 0 ? -1.0 : 1.0);
   const auto acceleration = [&](int at, const Interval& f) {
-    add_tap(sum, at - 1, -1.0 * f * in / period());
-    add_tap(sum, at - 1 - d, f * out / period());
+    sum.command_tap(at - 1, -1.0 * f * in / period());
+    sum.command_tap(at - 1 - d, f * out / period());
   };
   if (const std::optional<int> times = checked_differences(row.limit)) {
     const double bound = x.*axis_limit(row.limit).bound;
@@ -306,8 +296,8 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
     const double forward = (reverses ? out : in + out).lo > 0.0 ? 1.0 : -1.0;
     const double help = reverses && !reversed ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
     sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / force.bound;
-    add_response(sum, k, -1.0 * drag * in);
-    add_response(sum, k - d, drag * out);
+    sum.command_response(k, -1.0 * drag * in);
+    sum.command_response(k - d, drag * out);
   } else {
     throw Rejected("a multiplier names a limit that blends have no rows of");
   }

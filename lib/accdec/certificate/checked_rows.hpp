@@ -54,8 +54,11 @@ struct CheckedSum {
   std::vector<Interval> delays, samples;   // f_j, g_j; empty: zero
   Interval rhs;
   long terms = 0;  ///< added so far to `taps` and `cumulative`
-  explicit CheckedSum(int order)
-      : taps(static_cast<std::size_t>(order) + 1), cumulative(static_cast<std::size_t>(order) + 2) {}
+  /// @param smoothing  taps of the control's own; the reference is kept
+  CheckedSum(int order, const std::vector<Interval>& smoothing)
+      : taps(static_cast<std::size_t>(order) + 1),
+        cumulative(static_cast<std::size_t>(order) + 2),
+        smoothing_(smoothing) {}
   int order() const { return static_cast<int>(taps.size()) - 1; }
   void tap(int i, const Interval& c) {
     if (i < 0 || i > order()) return;
@@ -70,11 +73,22 @@ struct CheckedSum {
       count(c);
     }
   }
+  /// The same of the command behind the smoothing: tap i is sum_j g_j b_{i-j}.
+  void command_tap(int i, const Interval& c) {
+    if (smoothing_.size() == 1) return tap(i, c);
+    for (const Interval& g : smoothing_) tap(i--, c * g);
+  }
+  void command_response(int k, const Interval& c) {
+    if (smoothing_.size() == 1) return response(k, c);
+    for (const Interval& g : smoothing_) response(k--, c * g);
+  }
 
  private:
   /// The product of a leg that stands still is exactly zero (interval.hpp). However small, any other is a term: all
   /// multipliers of a proof may be tiny.
   void count(const Interval& c) { terms += c.lo != 0.0 || c.hi != 0.0 ? 1 : 0; }
+
+  const std::vector<Interval>& smoothing_;
 };
 
 /// Speeds of an axis' two legs.
@@ -88,6 +102,8 @@ class CheckedRows {
   /// @param task  with the limits that verification grants (granted_limits.hpp); the reference is kept
   explicit CheckedRows(const Task& task);
   double tap_max() const { return bounds_.tap_max(); }
+  /// Taps of the control's own smoothing; {1} without.
+  const std::vector<Interval>& smoothing() const { return response_.command(); }
   /// Samples by which the machine's response lengthens the motion.
   int longer() const { return response_.longer(); }
   /// Bounds on the responses in a box; none if no filter is left.
@@ -120,9 +136,6 @@ class CheckedRows {
   int single_delay(int corner, const CheckedBox& box) const;
   /// @throws Rejected if a row concerns taps at or beyond the ends of a window
   void require_inside(const proof::Row& row, const CheckedBox& box) const;
-  /// Adds c times tap i, or cumulative response k, of the command behind the control's smoothing.
-  void add_tap(CheckedSum& sum, int i, const Interval& c) const;
-  void add_response(CheckedSum& sum, int k, const Interval& c) const;
   /// False: nothing is left.
   bool need_tube(CheckedBox& box) const;
 
