@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Solves instances of `accdec instances` with programs that are not ours: read_back.py TOOL FILE.
 
-TOOL is cbc, glpsol, highs (that of SciPy), csdp or cvxopt. Prints the optimum, "infeasible", or "missing" if the tool is not installed.
+TOOL is cbc, glpsol, highs (that of SciPy), csdp, cvxopt or scip. Prints the optimum, "infeasible", or "missing" if the tool is not installed.
 """
 import importlib.util
 import os
@@ -42,6 +42,15 @@ def csdp(file):
     return f"{primal!r} {dual!r}"
 
 
+def scip(file):
+    with tempfile.TemporaryDirectory() as folder:  # AMPL solvers write beside the problem
+        out = run("scip", shutil.copy(file, folder), "-AMPL")
+    solved = re.search(r"SCIP Status +: problem is solved \[(optimal solution found|infeasible)\]", out)
+    if solved and solved[1] == "infeasible":
+        return "infeasible"
+    return re.search(r"Primal Bound +: (\S+)", out)[1] if solved else out[-2000:]
+
+
 def highs(file):
     import highs_solver
     found = highs_solver.solve(file, 60)
@@ -60,7 +69,7 @@ def main():
     module = {"cvxopt": "cvxopt", "highs": "scipy"}.get(tool)
     if not (importlib.util.find_spec(module) if module else shutil.which(tool)):
         return print("missing")
-    print({"cbc": cbc, "glpsol": glpsol, "highs": highs, "csdp": csdp, "cvxopt": cvxopt}[tool](file))
+    print({"cbc": cbc, "glpsol": glpsol, "highs": highs, "csdp": csdp, "cvxopt": cvxopt, "scip": scip}[tool](file))
 
 
 main()

@@ -256,9 +256,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   return reference;
 }
 
-Reference no_reference(const std::string& reason =
-                           "the exact method knows no response of the machine, contour or vibration of an axis "
-                           "here") {
+Reference no_reference(const std::string& reason) {
   return {Reference::Proof::bound, 0.0, infinity, "no reference: " + reason};
 }
 
@@ -305,7 +303,8 @@ Reference reference_of(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
   if (!subject.objection().empty()) return no_reference(subject.objection());
   const bool known = spec.question == Question::design ? exact_covers(spec.task) : of_the_taps(spec.task);
-  if (!known) return no_reference();
+  if (!known)
+    return no_reference("the exact method knows no response of the machine, contour or vibration of an axis here");
   switch (spec.question) {
     case Question::margin: return margin_reference(subject, time_limit);
     case Question::delay: return delay_reference(subject, time_limit);

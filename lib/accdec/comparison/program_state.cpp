@@ -34,7 +34,8 @@ std::string hash_of_folder(const fs::path& folder) {
   std::sort(files.begin(), files.end());
   files.resize(std::min(files.size(), most_files));
   std::string state;
-  for (const fs::path& file : files) state += file.string() + " " + hash_of_file(file) + "\n";
+  for (const fs::path& file : files)
+    state += file.lexically_relative(folder).string() + " " + hash_of_file(file) + "\n";
   return toml_input::hash_of(state);
 }
 
