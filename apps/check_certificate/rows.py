@@ -60,8 +60,7 @@ class Limits:
         name = entry[0]
         refuse_if(not isinstance(name, str) or name not in KINDS, f"a row of the kind {name!r}", NotCovered)
         refuse_if(self.longer and name not in BEHIND_A_SERVO, f"a row `{name}` behind a response", NotCovered)
-        named = KINDS[name][1]
-        refuse_if(len(entry) != len(named) + 2, f"a row `{name}` has {len(entry)} entries, not {len(named) + 2}")
+        refuse_if(len(entry) != (size := len(KINDS[name][1]) + 2), f"a row `{name}` has {len(entry)} entries for {size}")
 
     def row(self, entry, box):
         """The row that an entry names, without its multiplier. @raise Empty if no filter is in the part"""

@@ -32,6 +32,9 @@ CASES = {
     "mode": {"more": "[[mode]]\nfrequency_Hz = [40, 44]\nresidual_max = 0.1"},
     "damped mode": {"more": "[[mode]]\nfrequency_Hz = 40\ndamping_ratio = 0.05\nresidual_max = 0.1"},
     "mode of an axis": {"more": "[[mode]]\naxis = 'x'\nfrequency_Hz = 40\ndamping_ratio = 0.05\nresidual_max_um = 20"},
+    "friction of an axis that reverses": {"axis": "mass_kg = 34\ncoulomb_N = 40\nforce_max_N = 300",
+                                          "more": "[[corner]]\nangle_deg = 50\nheading_deg = 30\n"
+                                                  "feed_in_mm_min = 5000\nerror_max_um = 50"},
     "contour": {"corner": ERROR + "\ncontour_max_um = 30"},
     "symmetric": {"design": "symmetric = true"},
     "given delay": {"corner": "delay_samples = 9"},
