@@ -60,7 +60,7 @@ class Limits:
         name = entry[0]
         refuse_if(not isinstance(name, str) or name not in KINDS, f"a row of the kind {name!r}", NotCovered)
         refuse_if(self.longer and name not in BEHIND_A_SERVO, f"a row `{name}` behind a response", NotCovered)
-        refuse_if(len(entry) != (size := len(KINDS[name][1]) + 2), f"a row `{name}` has {len(entry)} entries for {size}")
+        refuse_if(len(entry) != (size := len(KINDS[name][1]) + 2), f"`{name}` has {len(entry)} entries, not {size}")
 
     def row(self, entry, box):
         """The row that an entry names, without its multiplier. @raise Empty if no filter is in the part"""
