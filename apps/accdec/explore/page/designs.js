@@ -5,7 +5,7 @@ import { askJson, Latest } from "./requests.js";
 const most = 20; // s, for a search
 const moment = 0.6; // s, for what is shown until then
 const soon = 300; // ms: most proofs are there
-const slot = "longer";
+export const longer = "longer"; // the slot of these
 
 export class Designs {
   /**
@@ -27,7 +27,7 @@ export class Designs {
     );
     // Shorter searches try more methods in their time.
     this.meanwhile = new Latest(
-      ({ task, seconds }) => ask(task, { seconds, slot }),
+      ({ task, seconds }) => ask(task, { seconds, slot: longer }),
       (answer, { task, seconds }) => {
         if (unfinished(answer) && seconds < most) this.meanwhile.put({ task, seconds: most });
         show(answer, task);
@@ -47,7 +47,7 @@ export class Designs {
     this.meanwhile.drop();
   }
   end() {
-    if (this.searching) askJson("check", [], { ends: [slot] }).catch(() => {});
+    if (this.searching) askJson("check", [], { ends: [longer] }).catch(() => {});
     this.drop();
   }
 

@@ -2,7 +2,7 @@
 import { Beside, withFilter } from "./beside.js";
 import { Controls } from "./controls.js";
 import { Chart } from "./curves.js";
-import { Designs } from "./designs.js";
+import { Designs, longer } from "./designs.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
 import { showUndo } from "./history.js";
@@ -66,7 +66,7 @@ if (state.broken) note("The address holds no task that can be read: this is the 
 const designs = new Designs(corner, showDesign, fail);
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
-  (task) => askJson("families", task, { seconds: 0.015, ends: ["longer", "thorough"] }),
+  (task) => askJson("families", task, { seconds: 0.015, ends: [longer, "thorough"] }),
   (answer, task) => {
     showFamilies(answer, task);
     latency("families");

@@ -25,14 +25,29 @@ function lookAt(plan, before, sample) {
   };
 }
 
-/** Arrow keys move the cursor from sample to sample; Home and End go to the ends of what is shown. */
+/** Shows more or less of the time, around the cursor or the middle. */
+function enlarge(chart, factor) {
+  const { min, max } = chart.scales.x,
+    times = chart.data[0];
+  const at = chart.cursor.left >= 0 ? chart.posToVal(chart.cursor.left, "x") : (min + max) / 2;
+  const near = (t) => at + (t - at) / factor;
+  if (near(max) - near(min) < 10 * (times[1] - times[0])) return;
+  chart.setScale("x", { min: Math.max(times[0], near(min)), max: Math.min(times.at(-1), near(max)) });
+}
+
+/**
+ * Arrow keys move the cursor from sample to sample; Home and End go to the ends of what is shown; + and - show less or
+ * more of the time.
+ */
 function withKeys(draw, chart, step) {
   draw.tabIndex = 0;
   draw.addEventListener("keydown", (event) => {
     const way = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];
-    if (!way) return;
+    const factor = { "+": 1.6, "-": 1 / 1.6 }[event.key];
+    if (!way && !factor) return;
     event.preventDefault();
-    step(way * (event.shiftKey ? 10 : 1), chart.scales.x);
+    if (way) step(way * (event.shiftKey ? 10 : 1), chart.scales.x);
+    else enlarge(chart, factor);
   });
 }
 

@@ -10,29 +10,31 @@
 namespace accdec {
 namespace {
 
-/// Quotient of `taps` by a moving average of `length`, or nothing when it does not divide.
-std::vector<double> divided(const std::vector<double>& taps, int length, double tolerance) {
+/// Quotient of `taps` by a moving average of `length`, or nothing when it leaves more than `rest_max` at any tap.
+std::vector<double> divided(const std::vector<double>& taps, int length, double rest_max) {
   const int n = static_cast<int>(taps.size()), m = n - length + 1;
-  if (m < 1) return {};
-  // taps[i] - taps[i - 1] = (q[i] - q[i - length]) / length
-  std::vector<double> q(static_cast<std::size_t>(n), 0.0);
-  for (int i = 0; i < n; ++i) {
-    const double step = taps[static_cast<std::size_t>(i)] - (i > 0 ? taps[static_cast<std::size_t>(i - 1)] : 0.0);
-    q[static_cast<std::size_t>(i)] = length * step + (i >= length ? q[static_cast<std::size_t>(i - length)] : 0.0);
-  }
-  const double largest = *std::max_element(taps.begin(), taps.end());
+  // q[i] = q[i - length] + length (taps[i] - taps[i - 1])
+  const auto step = [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    return length * (taps[at] - (i > 0 ? taps[at - 1] : 0.0));
+  };
+  // Most lengths leave a remainder at the first of these, which a few steps tell.
   for (int i = m; i < n; ++i) {
-    if (std::abs(q[static_cast<std::size_t>(i)]) > tolerance * largest * length) return {};
+    double rest = 0.0;
+    for (int j = i % length; j <= i; j += length) rest += step(j);
+    if (std::abs(rest) > rest_max * length) return {};
   }
-  q.resize(static_cast<std::size_t>(m));
+  std::vector<double> q;
+  for (int i = 0; i < m; ++i) q.push_back(step(i) + (i >= length ? q[static_cast<std::size_t>(i - length)] : 0.0));
   return q;
 }
 
 bool factor(const std::vector<double>& taps, int longest, int averages, double tolerance, std::vector<int>& lengths) {
   if (taps.size() == 1) return true;
   if (averages == 0) return false;
+  const double rest_max = tolerance * *std::max_element(taps.begin(), taps.end());
   for (int length = std::min(longest, static_cast<int>(taps.size())); length >= 2; --length) {
-    const std::vector<double> rest = divided(taps, length, tolerance);
+    const std::vector<double> rest = divided(taps, length, rest_max);
     if (rest.empty()) continue;
     lengths.push_back(length);
     if (factor(rest, length, averages - 1, tolerance, lengths)) return true;
