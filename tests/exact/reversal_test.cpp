@@ -86,9 +86,8 @@ bool splits_reversals(const DesignResult& result) {
   if (!result.certificate) return false;
   const auto* proof = std::get_if<proof::BranchAndBound>(&result.certificate->proof);
   return proof != nullptr &&
-         (splits_reversals(proof->tree) || std::ranges::any_of(proof->lemmas, [](const proof::Lemma& lemma) {
-            return splits_reversals(lemma.tree);
-          }));
+         (splits_reversals(proof->tree) ||
+          std::ranges::any_of(proof->lemmas, [](const proof::Lemma& lemma) { return splits_reversals(lemma.tree); }));
 }
 
 TEST(ExactReversal, NothingIsShorterAtAnyReversal) {
