@@ -21,25 +21,6 @@ TEST(OrderBound, AccelerationOnlyIsTheBoxcar) {
   }
 }
 
-// The largest taps that rise and fall by the jerk make a trapezoid. A stop counts as a start does.
-TEST(OrderBound, JerkTakesTheTrapezoid) {
-  for (const double jerk : {50.0, 200.0, 600.0}) {
-    for (const double in : {0.02, 0.1}) {
-      Axis axis;
-      axis.acceleration_max = 5.0, axis.jerk_max = jerk;
-      const Task task = plane_task(axis, plane_corner("A", 90, 0, in, 0.1), 1e-4);
-      const int order = order_lower_bound(task, 1000);
-      const auto most = [&](int taps) {  // of the speed, with any ramps
-        double speed = 0.0;
-        for (int i = 0; i < taps; ++i) speed += std::min(5e-3, jerk * 1e-6 * std::min(i + 1, taps - i));
-        return speed;
-      };
-      EXPECT_GE(most(order + 1), 0.1 * (1.0 - 1e-9));
-      EXPECT_LT(most(order), 0.1 * (1.0 - 1e-9));
-    }
-  }
-}
-
 TEST(OrderBound, ForceWithFrictionIsTheDiscreteExponential) {
   // m (V_k - V_{k-1})/T + c V_k = F has the solution V_k = (F/c)(1 - r^k), r = 1/(1 + c T/m).
   Axis axis;

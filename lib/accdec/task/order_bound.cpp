@@ -27,29 +27,6 @@ double next_cumulative(const Plant& plant, double before, double period) {
   return next;
 }
 
-/// The fewest taps of the sum 1 within acceleration and jerk of the axes. They bound every tap and the step between
-/// neighbours, with zeros beyond the ends.
-int fewest_taps(const Task& task, int limit) {
-  double size = 1.0, step = 1.0;
-  const double period = task.sample_period;
-  for (const TaskCorner& corner : task.corners) {
-    for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
-      const auto a = static_cast<Eigen::Index>(i);
-      const Corner& g = corner.geometry();
-      const double fastest =
-          std::max(g.feed_in * std::abs(g.direction_in[a]), g.feed_out * std::abs(g.direction_out[a]));
-      if (fastest == 0.0) continue;
-      size = std::min(size, task.machine.axes[i].acceleration_max * period / fastest);
-      step = std::min(step, task.machine.axes[i].jerk_max * period * period / fastest);
-    }
-  }
-  double sum = 0.0;
-  int taps = 0;
-  // One more tap stands in the middle of those before.
-  while (sum < 1.0 - 1e-9 && taps <= limit + 1) ++taps, sum += std::min(size, step * ((taps + 1) / 2));
-  return taps;
-}
-
 }  // namespace
 
 std::vector<double> saturating_start(const Task& whole, int limit) {
@@ -80,8 +57,7 @@ std::vector<double> saturating_start(const Task& whole, int limit) {
 
 int order_lower_bound(const Task& task, int limit) {
   const std::vector<double> taps = saturating_start(task, limit);
-  if (taps.empty()) return limit + 1;
-  return std::min(limit + 1, std::max(static_cast<int>(taps.size()), fewest_taps(*limits_on_taps(task), limit)) - 1);
+  return taps.empty() ? limit + 1 : static_cast<int>(taps.size()) - 1;
 }
 
 }  // namespace accdec
