@@ -157,8 +157,7 @@ class Row:
         self.response(k, -into)
         self.response(k - d, out)
 
-    def direction(self, at, into, out):
-        """Of the motion, which dry friction is against. 0: the axis reverses, so that friction may help everywhere."""
+    def direction(self, at, into, out):  # friction is against it; 0: the axis reverses, it may help everywhere
         return 0 if -into * out > 0 else 1 if (into + out).lo > 0 else -1
 
     def load(self, kind, event, *at, axis=None):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Corners at which an axis with dry friction reverses: nothing is shorter than what accdec proves. reversals.py --binary
-ACCDEC [--count N] [--seed S]
+"""Corners at which an axis with dry friction reverses: nothing is shorter than what accdec proves.
+reversals.py --binary ACCDEC [--count N] [--seed S]
 
 Linear programmes over the taps for every delay, sample nearest to the corner and sample at which each axis reverses.
 With that sample the sign of the friction is known in every sample. The error is at least its part along each of many
@@ -72,8 +72,8 @@ class Corner:
         return np.vstack([force, -force]), np.concatenate([task["force"] - dry, task["force"] + dry])
 
     def shorter(self, delay, reversal, k, error):
-        """Whether taps hold all limits with the nearest sample k and these samples of the reversal (None: friction helps
-        until the end), and an error along the rays below this one, in m."""
+        """Whether taps hold all limits with the nearest sample k and these samples of the reversals, and an error along
+        the rays below this one, in m. None: friction helps until the end."""
         taps, (v1, v2) = self.length - delay, self.legs
         after = np.arange(1, self.length + 2)
         rows, bounds = [], []

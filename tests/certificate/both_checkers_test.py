@@ -211,7 +211,9 @@ class Reversals(BothCheckers):
             self.both(forged, "")
         for sign in (-1, 1):  # of an axis that keeps its direction, and of a sample at which it may reverse
             for row in (["reversal", 0, 1, 5, sign, 1.0], ["reversal", 0, 0, 12, sign, 1.0]):
-                self.both(dict(result, certificate=result["certificate"] | {"multipliers": [s + [row] for s in sets]}), "")
+                forged = copy.deepcopy(result)
+                forged["certificate"]["multipliers"] = [rows + [row] for rows in sets]
+                self.both(forged, "")
 
 
 STRAIGHT = """sample_period_ms = 1

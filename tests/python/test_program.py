@@ -102,6 +102,22 @@ def test_samples_are_a_filtered_motion():
     assert speed[1:len(smooth) + 1] == pytest.approx(smooth, rel=2e-7)  # the start from rest
 
 
+def test_loads_are_those_of_the_samples():
+    period, rated = 1e-3, {"x": 400.0, "y": None}
+    axes = [{"name": name, "velocity_max": 0.3, "acceleration_max": 3.0, "jerk_max": 300.0, "mass": 34.0,
+             "damping": 150.0, "force_rms": rating} for name, rating in rated.items()]
+    ours = accdec.program(str(STAR), accdec.Task(sample_period=period, axes=axes, program=True), plan="fixed")
+    samples = ours.samples()
+    velocity = np.vstack([np.zeros(2), samples["velocity"][:, :2], np.zeros(2)])
+    force = 34.0 * np.diff(velocity, axis=0) / period + 150.0 * velocity[1:]
+    assert [load["axis"] for load in ours.axis_loads] == ["x", "y"]
+    for load, column in zip(ours.axis_loads, force.T):
+        assert load["peak"] == pytest.approx(np.abs(column).max(), rel=1e-6)
+        assert load["rms"] == pytest.approx(np.sqrt(np.mean(column**2)), rel=3 / len(column))
+        assert load.get("rms_max") == rated[load["axis"]]
+    assert "axis_loads" in json.loads(ours.to_json())
+
+
 def test_profiles_are_the_fastest_plan(tmp_path, profiles):
     ours, folder = profiles
     theirs = json.loads((folder / "plan.json").read_text())

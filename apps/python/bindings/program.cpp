@@ -101,6 +101,16 @@ py::list estimate_list(const Program& r) {
   return list;
 }
 
+py::list load_list(const Program& r) {
+  py::list list;
+  for (const AxisLoad& load : r.loads) {
+    py::dict d(py::arg("axis") = load.axis, py::arg("peak") = load.peak, py::arg("rms") = load.rms);
+    if (load.rms_max < unlimited) d["rms_max"] = load.rms_max;
+    list.append(d);
+  }
+  return list;
+}
+
 py::list bound_list(const Program& r) {
   py::list list;
   for (const NamedBound& b : bounds_of(r))
@@ -219,6 +229,9 @@ fun, cycle_time : float
     s.
 lower_bound : float
     s, way over feed; no motion that passes every corner within its tolerance is shorter, wherever it is between them.
+axis_loads : list of dict
+    The force of every axis with a load over the whole program, in N, or N m for axes a, b and c: axis, peak, rms (root
+    mean square), and rms_max if the axis has a rating.
 bounds : list of dict
     Times that no motion of a class undercuts, the widest class first: name, time (s), motions (the class in words),
     complete (False: cut short by the time; a finished bound may be larger).
@@ -265,6 +278,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("fun", [](const Program& r) { return r.cycle_time; })
       .def_property_readonly("cycle_time", [](const Program& r) { return r.cycle_time; })
       .def_property_readonly("lower_bound", [](const Program& r) { return r.lower_bound; })
+      .def_property_readonly("axis_loads", &load_list)
       .def_property_readonly("bounds", &bound_list)
       .def_property_readonly("estimates", &estimate_list)
       .def_property_readonly("x", &taps)

@@ -13,12 +13,13 @@
 namespace accdec::exact {
 namespace {
 
-/// -1 for rows of no corner.
-int corner_of(const proof::Row& id) {
+/// The corner of a row or a split; -1 if it has none.
+template <class RowOrNode>
+int corner_of(const RowOrNode& id) {
   return std::visit(
-      [](const auto& row) {
-        if constexpr (requires { row.corner; })
-          return row.corner;
+      [](const auto& one) {
+        if constexpr (requires { one.corner; })
+          return one.corner;
         else
           return -1;
       },
@@ -37,7 +38,8 @@ bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size
     if (i != j) one.corners[i].d1 = 0, one.corners[i].d2 = 1;
   }
   one.corners[j].d1 = one.corners[j].d2 = delay;
-  const auto broken = bench_.model().rows.broken_blend_rows(filter, at_reversals(bench_.model(), filter, one), 1e-9);
+  if (!box.window) one = at_reversals(bench_.model(), filter, std::move(one));
+  const auto broken = bench_.model().rows.broken_blend_rows(filter, one, 1e-9);
   if (std::any_of(broken.begin(), broken.end(), [&](const proof::Row& id) {
         return !box.window || inside_window(id, one, bench_.model().rows.smoothing());
       }))
@@ -189,9 +191,7 @@ TogetherSearch::Answer TogetherSearch::refute(int order, const std::vector<int>&
 std::vector<char> TogetherSearch::corners_used(const std::vector<proof::Node>& tree) const {
   std::vector<char> used(bench_.task().corners.size(), 0);
   for (const proof::Node& node : tree) {
-    if (const auto* split = std::get_if<proof::Split>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
-    if (const auto* split = std::get_if<proof::ContourSplit>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
-    if (const auto* split = std::get_if<proof::ReversalSplit>(&node)) used[static_cast<std::size_t>(split->corner)] = 1;
+    if (const int split = corner_of(node); split >= 0) used[static_cast<std::size_t>(split)] = 1;
     const auto* refuted = std::get_if<proof::Refuted>(&node);
     if (refuted == nullptr) continue;
     for (const auto& [id, y] : multipliers()[static_cast<std::size_t>(refuted->multipliers)]) {
