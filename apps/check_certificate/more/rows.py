@@ -9,7 +9,7 @@ from rows import BEHIND_A_SERVO, IN_WINDOWS, KINDS, Limits, Row, turns
 from tube import tube
 
 SERVO_FREE = {"force start", "force stop", "blend force", "force_speed start", "force_speed stop",
-              "blend force_speed", "reversal"}  # rows of forces, which are known behind a smoothing, but not behind a servo
+              "blend force_speed", "reversal"}  # known behind a smoothing, but not behind a servo
 ANY_SAMPLE = 0, 2**31 - 1
 
 

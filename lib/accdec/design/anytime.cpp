@@ -74,12 +74,10 @@ class Anytime {
     const bool ideal = Response(task_.machine, task_.sample_period).ideal();
     coarse(0.1);
     shapes(ideal ? 0.1 : 0.4);
+    linear_part(0.2);
     const bool finished = bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
-    exact_->message = task_.machine.prefilter_taps.empty()
-                          ? fmt::format("{}the proof does not consider {}",
-                                        finished ? "" : "the time ended before the proof, and ", left_out(task_))
-                          : "the bound is of any filter in place of this one and the control's smoothing together";
     judge();
+    exact_->message = what_bound(task_, bound_ ? bound_->certificate.get() : nullptr, finished);
     if (settled()) return *exact_;
     if (best_ && best_->status == Status::optimal) return finish();
     families(1.0);
@@ -195,6 +193,18 @@ class Anytime {
     }
   }
 
+  /// In front of a control's smoothing only linear limits are known. Without one the covered part has more.
+  void linear_part(double share) {
+    if (task_.machine.prefilter_taps.empty()) return;
+    Task part = easier_part(task_);
+    part.machine.modes = task_.machine.modes;
+    for (Axis& axis : part.machine.axes) {
+      if (Response(task_.machine, task_.sample_period).servo_order() > 0)
+        axis.force_max = axis.force_speed_max = unlimited;
+    }
+    if (exact_covers(part)) bound_of_part(part, share);
+  }
+
   /// A bound without power, regeneration and smallest speed also holds with them.
   /// @return whether the proof of the part was finished
   bool bound_of_part(const Task& part, double share) {
@@ -204,7 +214,8 @@ class Anytime {
     DesignResult found = design_exact(part, exact);
     const bool finished = found.status == Status::optimal || found.status == Status::infeasible;
     const auto late = [this] { return over(); };
-    if (found.has_design() && !task_.machine.prefilter_taps.empty()) {
+    const bool smooths = !task_.machine.prefilter_taps.empty();
+    if (found.has_design() && smooths) {
       if (auto whole = in_front_of_smoothing(task_, *found.filter, late); whole && whole->has_design())
         whole->solver = found.solver, offer_design(*std::move(whole));
     } else if (found.has_design() && !exact_covers(task_)) {
@@ -214,7 +225,7 @@ class Anytime {
       whole.solver = found.solver;
       if (whole.has_design()) offer_design(std::move(whole));
     }
-    found = without_smoothing(task_, std::move(found));
+    if (smooths && part.machine.prefilter_taps.empty()) found = without_smoothing(task_, std::move(found));
     if (!found.certificate) return finished;
     if (found.status == Status::infeasible && !exact_covers(task_)) {
       found.task = task_;

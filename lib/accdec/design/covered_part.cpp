@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/certificate.hpp>
 #include <accdec/design/covered_part.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -45,6 +46,16 @@ std::string left_out(const Task& task) {
   if (!ideal && !limits.empty()) limits.back() += " behind a servo";
   if (limits_supply(task.machine)) limits.push_back("the supply that the axes share");
   return fmt::format("{}", fmt::join(limits, ", "));
+}
+
+std::string what_bound(const Task& task, const Certificate* proof, bool finished) {
+  if (task.machine.prefilter_taps.empty())
+    return fmt::format("{}the proof does not consider {}", finished ? "" : "the time ended before the proof, and ",
+                       left_out(task));
+  const auto* tree = proof == nullptr ? nullptr : std::get_if<proof::BranchAndBound>(&proof->proof);
+  return tree == nullptr || tree->smoothed
+             ? "the bound is of any filter in place of this one and the control's smoothing together"
+             : "the bound is of the limits that are linear in the taps";
 }
 
 }  // namespace accdec
