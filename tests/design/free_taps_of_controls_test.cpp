@@ -192,22 +192,32 @@ TEST(FreeTapsOfControls, AreProvedInFrontOfASmoothing) {
   }
 }
 
-/// An exact stop behind a smoothing, against every delay as a given one, with the filters of which it is a stop.
-TEST(FreeTapsOfControls, StopExactlyInFrontOfASmoothing) {
-  for (const std::string taps : {"[0.25, 0.5, 0.25]", "[0.2, 0.0, 0.8]", "[0.08, 0.42, 0.42, 0.08]"}) {
-    const std::string control = "[controller]\nprefilter_taps = " + taps + "\n";
-    const DesignResult result = design_task(everyday_corner(control + "delays = \"exact-stop\"\n"));
-    ASSERT_EQ(result.status, Status::optimal) << result.message;
+/// An exact stop in front of a smoothing and a servo, against every delay as a given one, with the filters of which it
+/// is a stop. Behind a servo a longer filter may be needed for the error, which is not proved.
+TEST(FreeTapsOfControls, StopExactlyInFrontOfAResponse) {
+  const std::string controls[] = {"prefilter_taps = [0.25, 0.5, 0.25]\n", "prefilter_taps = [0.2, 0.0, 0.8]\n",
+                                  "prefilter_taps = [0.08, 0.42, 0.42, 0.08]\n", ""};
+  for (const std::string& smooths : controls) {
+    const std::string control = "[controller]\n" + smooths;
+    const auto with_servo = [&](Task task) {
+      for (Axis& axis : task.machine.axes) axis.servo_gain = smooths.empty() ? 70.0 : unlimited;
+      return task;
+    };
+    const DesignResult result = design_task(with_servo(everyday_corner(control + "delays = \"exact-stop\"\n")));
+    ASSERT_TRUE(result.has_design()) << result.message;
+    EXPECT_TRUE(smooths.empty() || result.status == Status::optimal);
+    EXPECT_THAT(settings_answer(result), HasSubstr("exact-stop at corner A"));
     EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
     double least = unlimited;
-    for (int delay = 15; delay < 40; ++delay) {
-      Task given = everyday_corner(control);
+    for (int delay = 15; delay < 90; ++delay) {
+      Task given = with_servo(everyday_corner(control));
       given.corners[0].delay = delay;
       given.design.order_min = delay - 2, given.design.order_max = delay;
       const DesignResult best = design_task(given);
       if (best.status == Status::optimal) least = std::min(least, best.objective());
     }
-    EXPECT_NEAR(result.objective(), least, 1e-12) << taps;
+    EXPECT_NEAR(result.objective(), least, 1e-12) << control;
+    EXPECT_TRUE(result.lower_bound && *result.lower_bound <= least + 1e-12);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
@@ -16,51 +17,85 @@
 namespace accdec {
 namespace {
 
-void drop_proof(DesignResult& result) {
-  result.lower_bound.reset(), result.certificate.reset(), result.gap.reset();
-  result.status = Status::feasible;
-}
-
 /// Gives a delay to every corner that the task gives none. @param of  of a corner's number
 template <class DelayOf>
 void give_delays(const Task& task, const DelayOf& of, Task& given) {
   for (std::size_t j = 0; j < given.corners.size(); ++j) given.corners[j].delay = task.corners[j].delay.value_or(of(j));
 }
 
+/// A task without its control's kinds of delays, with the delays that one kind gives.
+class GivenDelays {
+ public:
+  GivenDelays(const Task& task, const DesignOptions& options) : task_(task), given_(task), options_(options) {
+    given_.settings.reset();
+  }
+  double left() const { return std::max(1e-3, options_.time_limit - seconds_since(began_)); }
+  /// @param least, most  of the order
+  DesignResult design(int delay, double seconds, int least, int most) {
+    give_delays(
+        task_, [&](std::size_t) { return delay; }, given_);
+    given_.design.order_min = least, given_.design.order_max = most;
+    DesignOptions within = options_;
+    within.time_limit = seconds;
+    return design_task(given_, within);
+  }
+  DesignResult design(int delay, double seconds) {
+    return design(delay, seconds, task_.design.order_min, task_.design.order_max);
+  }
+
+ private:
+  const Task& task_;
+  Task given_;
+  const DesignOptions& options_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+/// Behind a control's smoothing or a servo the motion goes on after the filter's end. So an exact stop may wait up to
+/// two samples more, and may need a longer filter for its error. @param order  no shorter filter holds starts and stops
+DesignResult stop_before_a_response(const Task& task, int order, bool shortest, GivenDelays& given) {
+  // A filter that is one tap longer costs as much as the first sample more, or more.
+  for (int delay = order; delay <= order + 1 && shortest; ++delay) {
+    DesignResult result = given.design(delay, given.left());
+    if (result.has_design() && result.filter->order() == order) return result;
+    shortest = result.status == Status::optimal || result.status == Status::infeasible;
+  }
+  DesignResult found;
+  found.status = Status::failed, found.message = "no filter was found that holds all limits with exact stops";
+  const int most = task.design.order_max;
+  for (int delay = order; delay <= most + 2 && !found.has_design() && given.left() > 1e-3; ++delay) {
+    const int least = std::max({task.design.order_min, order, delay - 2});
+    DesignResult result = given.design(delay, 0.5 * given.left(), least, std::min(delay, most));
+    if (result.has_design()) found = std::move(result);
+  }
+  found.task = task;
+  found.lower_bound.reset(), found.gap.reset(), found.certificate.reset();
+  if (!found.has_design()) return found;
+  // The bound of any delays.
+  found.status = Status::feasible;
+  Task any = task;
+  any.settings.reset();
+  DesignOptions rest;
+  rest.time_limit = given.left();
+  const DesignResult bound = design_task(any, rest);
+  if (bound.lower_bound && bound.certificate) {
+    found.lower_bound = bound.lower_bound, found.certificate = bound.certificate;
+    judge_gap(found);
+  }
+  return found;
+}
+
 /// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop
 /// lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits with any delay
 /// behind which the legs are apart, and the proof with its own one says so.
 DesignResult design_for_one_kind(const Task& task, bool stops, const DesignOptions& options) {
-  Task given = task;
-  given.settings.reset();
-  const auto with_delay = [&](int delay, double seconds) {
-    give_delays(
-        task, [&](std::size_t) { return delay; }, given);
-    DesignOptions within = options;
-    within.time_limit = seconds;
-    return design_task(given, within);
-  };
-  const auto began = std::chrono::steady_clock::now();
+  GivenDelays given(task, options);
   DesignResult result =
-      with_delay(stops ? task.design.order_max : 0, stops ? 0.5 * options.time_limit : options.time_limit);
+      stops ? given.design(task.design.order_max, 0.5 * options.time_limit) : given.design(0, options.time_limit);
   if (stops && result.has_design()) {
-    const int order = result.filter->order(), most = task.machine.prefilter_taps.size() > 1 ? 2 : 0;
-    bool proved = result.status == Status::optimal;
-    const auto left = [&] { return std::max(1e-3, options.time_limit - seconds_since(began)); };
-    // Behind a control's own smoothing the stop may wait up to two samples more, for limits where the legs still meet.
-    // A filter that is one tap longer costs as much as the first of them or more.
-    for (int more = 0;; ++more) {
-      result = with_delay(order + more, left());
-      const bool stopped = result.has_design() && result.filter->order() <= order + more;
-      if (stopped && most > 0 && !(proved && more <= 1)) drop_proof(result);
-      if (stopped) break;
-      proved = proved && (result.status == Status::optimal || result.status == Status::infeasible);
-      if (more < most) continue;
-      result = {};
-      result.task = given, result.status = Status::failed;
-      result.message = "no filter was found that holds all limits with exact stops";
-      break;
-    }
+    const int order = result.filter->order();
+    result = Response(task.machine, task.sample_period).ideal()
+                 ? given.design(order, given.left())
+                 : stop_before_a_response(task, order, result.status == Status::optimal, given);
   }
   result.task.design = task.design;
   result.task.settings = task.settings;

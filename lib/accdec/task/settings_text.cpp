@@ -231,7 +231,7 @@ std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result) {
   for (const CornerResult& corner : result.corners) {
     if (corner.delay == 0 && control->names(DelayKind::continuous))
       kinds.push_back(DelayKind::continuous);
-    else if (corner.delay == apart && control->names(DelayKind::exact_stop))
+    else if (control->names(DelayKind::exact_stop) && (corner.delay == apart || !control->any_delay()))
       kinds.push_back(DelayKind::exact_stop);
     else
       kinds.push_back(dwells ? DelayKind::dwell : DelayKind::timed_axis);
