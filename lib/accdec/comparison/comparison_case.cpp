@@ -118,6 +118,7 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   } else {
     for (const double d : default_delays(task, behind.motion())) options.blend_delays.push_back(static_cast<int>(d));
   }
+  if (objection_.empty()) objection_ = friction_both_ways(task);
   if (objection_.empty()) objection_ = unstated_stop(behind.longest_order());
   blend_delays_ = options.blend_delays;
   options.mode_blends = true;
@@ -142,10 +143,8 @@ std::string ComparisonCase::unstated_stop(int longest) const {
     const TaskCorner& corner = spec_.task.corners[j];
     const bool at_point = corner.error_max == 0.0;
     if (!at_point && corner.contour_max != 0.0) continue;
-    // A DelayProblem waits for the filter's end at a corner without a given delay that must pass through its point.
-    const int least = spec_.question == Question::margin ? spec_.delays[j]
-                      : at_point                         ? corner.delay.value_or(longest)
-                                                         : corner.delay.value_or(0);
+    // The suite's delays are no choice of a DelayProblem: it only imposes limits on the blends there.
+    const int least = spec_.question == Question::margin ? spec_.delays[j] : corner.delay.value_or(0);
     if (least < longest)
       return fmt::format(
           "corner {}: {} = 0 is an exact stop. No row of a `{}` problem states it, and its delay may be shorter than "
