@@ -133,6 +133,44 @@ TEST_F(Instances, NobodyIsAskedWhatIsNotTheTask) {
   }
 }
 
+// Only margins and delays need a corner with an error. At an exact stop, the taps that are not 0 lie within d + 1
+// samples. Axis y moves with 2500/60 mm/s sin(115 deg), so no tap may be above 0.159: 7 of them are needed, and d = 6.
+TEST_F(Instances, DesignsNeedNoTolerance) {
+  std::string text = task_text;
+  text.replace(text.find("error_max_um = 40"), 17, "error_max_um = 0");
+  text.replace(text.find("jerk_max_mm_s3 = 1500000"), 24, "");
+  testing::write(home_ / "stop.toml", text);
+  testing::write(home_ / "long.toml", text + "delay_samples = 14\n");
+  testing::write(home_ / "suite.toml", R"(solvers = ["ipopt", "exact"]
+starts = 1
+repeats = 1
+[[problem]]
+name = "stop"
+task = "stop.toml"
+formulation = ["margin", "delay", "design"]
+order = 14
+[[problem]]
+name = "long"
+task = "long.toml"
+formulation = ["margin", "delay"]
+order = 14
+)");
+  const json manifest = write_all("mps");
+  for (const char* question : {"margin", "delay"}) {
+    EXPECT_THAT(find(manifest, "stop", question).value("reason", ""), HasSubstr("exact stop"));
+    EXPECT_THAT(find(manifest, "long", question).value("reason", ""),
+                HasSubstr("needs a corner with error_max_um > 0"));
+  }
+  const json design = find(manifest, "stop", "design");
+  EXPECT_EQ(design["file"], "stop.design.1.mps");
+  EXPECT_EQ(design["optimum"]["upper"], 6 + 15.0);
+  const testing::Outcome outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::vector<json> runs = records(testing::content(home_ / "out/raw.jsonl"), "run");
+  ASSERT_EQ(runs.size(), 10U);
+  for (const json& row : runs) EXPECT_EQ(row["claim"] == "refused", row["case"] != 2) << row;
+}
+
 // Files bound a band at single frequencies. The exact method bounds all of it.
 TEST_F(Instances, RelationSaysWhatIsOfABand) {
   std::string text = testing::content(home_ / "suite.toml");

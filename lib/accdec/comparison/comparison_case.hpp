@@ -83,8 +83,9 @@ class ComparisonCase {
   std::mt19937_64 generator(int index, std::uint64_t seed) const;
   Filter start_filter(int index, std::mt19937_64& rng) const;  ///< draws from the generator
 
-  /// @param longest  order of the motion behind the machine's response
-  std::string unstated_stop(int longest) const;
+  /// Why the rows of corner errors are not those of the task. @param longest  order of the motion behind the machine's
+  /// response
+  std::string unstated_error(int longest) const;
 
   CaseSpec spec_;
   std::string objection_;

@@ -174,9 +174,6 @@ class SuiteReader {
       if (other.name == spec.name && other.question == spec.question)
         table.fail_at("name", fmt::format("the name \"{}\" is taken already", spec.name));
     }
-    const bool bounded = std::any_of(spec.task.corners.begin(), spec.task.corners.end(),
-                                     [](const TaskCorner& c) { return c.error_max && *c.error_max > 0.0; });
-    if (!bounded) table.fail_at("task", "a comparison problem needs a corner with error_max_um > 0");
   }
 
   std::string path_;
