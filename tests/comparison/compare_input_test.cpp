@@ -66,6 +66,38 @@ TEST_F(CompareCommand, BadInputIsSaidAndNothingIsTouched) {
   EXPECT_EQ(content(home_ / "mine/raw.jsonl"), "years of work\n");
 }
 
+// A suite asks about tasks, so it cannot contradict them.
+TEST_F(CompareCommand, SuitesThatContradictTheirTasksAreRefused) {
+  const std::string given = content(home_ / "task.toml") + "delay_samples = 4\n";
+  write(home_ / "given.toml", given + "[[corner]]\nname = \"B\"\nangle_deg = 95\nfeed_in_mm_min = 6000\n");
+  write(home_ / "orders.toml", given + "[design]\norder_min = 12\norder_max = 20\n");
+  const struct {
+    const char *lines, *place, *words;
+  } problems[] = {
+      {"task = \"given.toml\"\norder = 30\ndelay_samples = [2, 3]", "suite.toml:6:18: ",
+       "`delay_samples` = 2 contradicts the task, which gives 4 to corner A; allowed is 4, or no `delay_samples`"},
+      {"task = \"given.toml\"\norder = 30\ndelay_samples = 2", "suite.toml:6:17: ", "contradicts the task"},
+      {"task = \"task.toml\"\norder = 30\ndelay_samples = 2.5",
+       "suite.toml:6:17: ", "`delay_samples` = 2.5 must be a whole number"},
+      {"task = \"given.toml\"\norder = 30\ndelay_samples = [4, 2.5]", "suite.toml:6:21: ", "must be a whole number"},
+      {"task = \"orders.toml\"\norder = 11", "suite.toml:5:9: ", "allowed is order >= its [design] order_min = 12"},
+      {"task = \"orders.toml\"\norder = 21", "suite.toml:5:9: ", "allowed is order <= its [design] order_max = 20"}};
+  const auto outcome_of = [&](const std::string& lines) {
+    write(home_ / "suite.toml",
+          "solvers = [\"ipopt\"]\n[[problem]]\nname = \"x\"\n" + lines + "\nformulation = [\"margin\", \"design\"]\n");
+    return run("instances suite.toml --format mps --out none");
+  };
+  for (const auto& problem : problems) {
+    const Outcome refused = outcome_of(problem.lines);
+    EXPECT_EQ(refused.exit_code, 2) << refused.output;
+    EXPECT_THAT(refused.output, HasSubstr(problem.place));
+    EXPECT_THAT(refused.output, HasSubstr(problem.words));
+    EXPECT_FALSE(fs::exists(home_ / "none"));
+  }
+  const Outcome allowed = outcome_of("task = \"given.toml\"\norder = 30\ndelay_samples = [4, 3.0]");
+  EXPECT_EQ(allowed.exit_code, 0) << allowed.output;
+}
+
 TEST_F(CompareCommand, OtherSolversThanTheSuites) {
   suite("\"ipopt\"", "", 1);
   const Outcome done = run("compare suite.toml --out out --solvers clp,nlopt-slsqp/reduced");

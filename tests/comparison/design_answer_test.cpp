@@ -137,6 +137,7 @@ TEST(NamedValues, AreReadAsSolversWriteThem) {
   EXPECT_EQ(read_names("LP relaxation: optimal\nTime limit reached, gap 40 %\nX1 1\n", 1).claim, Claim::time_limit);
   EXPECT_EQ(read_names("Optimality tolerance 1e-6\nStopped: iteration limit\nX1 1\n", 1).claim, Claim::failed);
   EXPECT_EQ(read_names("Near-optimal\nX1 1\n", 1).claim, Claim::acceptable);
+  EXPECT_EQ(read_names("SUBOPTIMAL\nX1 1\n", 1).claim, Claim::acceptable);
   EXPECT_EQ(read_names("No optimal solution found\nX1 1\n", 1).claim, Claim::failed);
   EXPECT_EQ(read_names("solution status: unbounded\n", 1).claim, Claim::unbounded);
 }
@@ -144,6 +145,7 @@ TEST(NamedValues, AreReadAsSolversWriteThem) {
 TEST(NamedValues, WrongOnesAreRefused) {
   EXPECT_THROW(read_names("X3 1\n", 2), std::invalid_argument);
   EXPECT_THROW(read_names("X99999999999999999999 1\nhello\n", 2), std::invalid_argument);
+  EXPECT_THROW(read_names("optimal\nX1 0.5\nX2 1\nX1 0.7\n", 2), std::invalid_argument);
   EXPECT_THROW(read_names("", 2), std::invalid_argument);
   EXPECT_THROW(read_names("nothing that is known\n", 2), std::invalid_argument);
   EXPECT_TRUE(std::isnan(read_names("X1 nan\n", 1).x[0]));

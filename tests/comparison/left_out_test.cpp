@@ -37,8 +37,7 @@ TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
   } tasks[] = {{"family", "[design]\nfamily = \"averages\"\n", "[design] family"},
                {"bits", "[design]\ncoefficient_bits = 15\n", "[design] coefficient_bits"},
                {"given", "[filter]\nkind = \"boxcar\"\norder = 12\n", "[filter]"},
-               {"control", "[controller]\nname = \"sinumerik-840d\"\n", "[controller] name"},
-               {"behind", "[controller]\nprefilter_taps = [0.5, 0.5]\n", "prefilter_taps"}};
+               {"control", "[controller]\nname = \"sinumerik-840d\"\n", "[controller] name"}};
   std::string suite = "solvers = [\"exact\", \"ipopt\"]\nstarts = 1\nrepeats = 1\n";
   for (const auto& t : tasks) {
     testing::write(home_ / (std::string(t.name) + ".toml"), std::string(task_text) + t.lines);
@@ -60,11 +59,35 @@ TEST_F(Instances, TasksThatNarrowTapsOrDelaysAreLeftOut) {
   for (const json& problem : records(raw, "problem")) EXPECT_EQ(problem["proof"], "bound") << problem;
   const std::vector<json> runs = records(raw, "run");
   const auto refused = std::ranges::count_if(runs, [](const json& row) { return row["claim"] == "refused"; });
-  EXPECT_GE(refused, 2 * 4 + 1);  // behind a prefilter ipopt may answer
+  EXPECT_EQ(refused, 2 * 4);
+}
+
+// No row of a file knows a control's smoothing. The exact method does, and its certificate is checked.
+TEST_F(Instances, DesignsBehindASmoothingHaveAnOptimumWithoutAFile) {
+  testing::write(home_ / "task.toml", std::string(task_text) + "[controller]\nprefilter_taps = [0.5, 0.5]\n");
+  const json entry = find(write_all("nl"), "small corner", "design");
+  EXPECT_TRUE(entry["file"].is_null()) << entry;
+  EXPECT_THAT(entry.value("reason", ""), HasSubstr("prefilter_taps"));
+  EXPECT_EQ(entry["optimum"]["proof"], "proved");
+  const testing::Outcome checked = run("verify nl/" + entry["optimum"].value("certificate", ""));
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+}
+
+/// A corner of tolerance zero beside that of `task_text`.
+std::string with_exact_stop(const std::string& keys = "") {
+  return std::string(task_text) +
+         "\n[[corner]]\nname = \"B\"\nangle_deg = 90\nfeed_in_mm_min = 1000\nerror_max_um = 0\n" + keys;
+}
+
+/// `task_text` with dry friction and a limit on the force. Axis x reverses unless the corner is flat.
+std::string with_friction(const char* angle) {
+  std::string text = task_text;
+  text.replace(text.find("[[axis]]\n"), 9, "[[axis]]\nmass_kg = 40\ncoulomb_N = 60\nforce_max_N = 400\n");
+  return text.replace(text.find("angle_deg = 95"), 14, fmt::format("angle_deg = {}", angle));
 }
 
 // Margins and delays are of free taps, and no row of theirs states an exact stop. It needs none where the delay is as
-// long as the filter.
+// long as the filter. Rows count dry friction both ways, as no row knows when an axis reverses.
 TEST_F(Instances, NobodyIsAskedWhatIsNotTheTask) {
   const std::string stop = std::string(task_text) + "contour_max_um = 0\n";
   const struct {
@@ -74,9 +97,13 @@ TEST_F(Instances, NobodyIsAskedWhatIsNotTheTask) {
                {"given", "delay", "[filter]", std::string(task_text) + "[filter]\nkind = \"boxcar\"\norder = 12\n"},
                {"contour", "margin", "contour_max_um = 0", stop},
                {"later", "delay", "contour_max_um = 0", stop + "delay_samples = 13\n"},
-               {"error", "margin", "error_max_um = 0",
-                std::string(task_text) + "\n[[corner]]\nname = \"B\"\nangle_deg = 90\n"
-                                         "feed_in_mm_min = 1000\nerror_max_um = 0\n"},
+               {"error", "margin", "error_max_um = 0", with_exact_stop()},
+               {"free stop", "delay", "error_max_um = 0", with_exact_stop()},
+               {"short stop", "delay", "error_max_um = 0", with_exact_stop("delay_samples = 13\n")},
+               {"long stop", "delay", nullptr, with_exact_stop("delay_samples = 14\n")},
+               {"reverses", "margin", "friction both ways", with_friction("95")},
+               {"reversal", "delay", "friction both ways", with_friction("95")},
+               {"onwards", "margin", nullptr, with_friction("150")},
                {"stops", "margin", nullptr, stop + "delay_samples = 14\n"}};
   std::string suite = "solvers = [\"ipopt\"]\nstarts = 1\nrepeats = 1\n";
   for (const auto& t : tasks) {
@@ -104,6 +131,44 @@ TEST_F(Instances, NobodyIsAskedWhatIsNotTheTask) {
     EXPECT_THAT(answer.value("message", ""), HasSubstr(reason));
     EXPECT_THAT(problems[i].value("method", ""), HasSubstr(reason));
   }
+}
+
+// Only margins and delays need a corner with an error. At an exact stop, the taps that are not 0 lie within d + 1
+// samples. Axis y moves with 2500/60 mm/s sin(115 deg), so no tap may be above 0.159: 7 of them are needed, and d = 6.
+TEST_F(Instances, DesignsNeedNoTolerance) {
+  std::string text = task_text;
+  text.replace(text.find("error_max_um = 40"), 17, "error_max_um = 0");
+  text.replace(text.find("jerk_max_mm_s3 = 1500000"), 24, "");
+  testing::write(home_ / "stop.toml", text);
+  testing::write(home_ / "long.toml", text + "delay_samples = 14\n");
+  testing::write(home_ / "suite.toml", R"(solvers = ["ipopt", "exact"]
+starts = 1
+repeats = 1
+[[problem]]
+name = "stop"
+task = "stop.toml"
+formulation = ["margin", "delay", "design"]
+order = 14
+[[problem]]
+name = "long"
+task = "long.toml"
+formulation = ["margin", "delay"]
+order = 14
+)");
+  const json manifest = write_all("mps");
+  for (const char* question : {"margin", "delay"}) {
+    EXPECT_THAT(find(manifest, "stop", question).value("reason", ""), HasSubstr("exact stop"));
+    EXPECT_THAT(find(manifest, "long", question).value("reason", ""),
+                HasSubstr("needs a corner with error_max_um > 0"));
+  }
+  const json design = find(manifest, "stop", "design");
+  EXPECT_EQ(design["file"], "stop.design.1.mps");
+  EXPECT_EQ(design["optimum"]["upper"], 6 + 15.0);
+  const testing::Outcome outcome = run("compare suite.toml --out out");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::vector<json> runs = records(testing::content(home_ / "out/raw.jsonl"), "run");
+  ASSERT_EQ(runs.size(), 10U);
+  for (const json& row : runs) EXPECT_EQ(row["claim"] == "refused", row["case"] != 2) << row;
 }
 
 // Files bound a band at single frequencies. The exact method bounds all of it.

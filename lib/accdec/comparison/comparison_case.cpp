@@ -118,7 +118,8 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   } else {
     for (const double d : default_delays(task, behind.motion())) options.blend_delays.push_back(static_cast<int>(d));
   }
-  if (objection_.empty()) objection_ = unstated_stop(behind.longest_order());
+  if (objection_.empty()) objection_ = friction_both_ways(task);
+  if (objection_.empty()) objection_ = unstated_error(behind.longest_order());
   blend_delays_ = options.blend_delays;
   options.mode_blends = true;
   for (std::size_t j = 0; j < task.corners.size(); ++j)
@@ -137,21 +138,21 @@ ComparisonCase::ComparisonCase(CaseSpec spec) : spec_(std::move(spec)) {
   for (int i = 0; i < reduced_->num_variables(); ++i) common_.push_back(names.at(reduced_->variable_name(i)));
 }
 
-std::string ComparisonCase::unstated_stop(int longest) const {
+std::string ComparisonCase::unstated_error(int longest) const {
   for (std::size_t j = 0; j < spec_.task.corners.size(); ++j) {
     const TaskCorner& corner = spec_.task.corners[j];
     const bool at_point = corner.error_max == 0.0;
     if (!at_point && corner.contour_max != 0.0) continue;
-    // A DelayProblem waits for the filter's end at a corner without a given delay that must pass through its point.
-    const int least = spec_.question == Question::margin ? spec_.delays[j]
-                      : at_point                         ? corner.delay.value_or(longest)
-                                                         : corner.delay.value_or(0);
+    // The suite's delays are no choice of a DelayProblem: it only imposes limits on the blends there.
+    const int least = spec_.question == Question::margin ? spec_.delays[j] : corner.delay.value_or(0);
     if (least < longest)
       return fmt::format(
           "corner {}: {} = 0 is an exact stop. No row of a `{}` problem states it, and its delay may be shorter than "
           "the filter",
           corner.name, at_point ? "error_max_um" : "contour_max_um", to_string(spec_.question));
   }
+  if (std::ranges::none_of(spec_.task.corners, [](const TaskCorner& c) { return c.error_max.value_or(0.0) > 0.0; }))
+    return fmt::format("a `{}` problem needs a corner with error_max_um > 0", to_string(spec_.question));
   return "";
 }
 

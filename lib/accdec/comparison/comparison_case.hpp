@@ -70,8 +70,8 @@ class ComparisonCase {
   /// The question in words: the variables and the given values.
   std::string asks() const;
   /// Why an answer to the question is none to the task; empty if it is. Then nobody is asked and nothing is proved. The
-  /// task may narrow its taps or delays (a filter, a family, whole coefficients, kinds of delays). Or a corner of
-  /// `margin` or `delay` has a tolerance of zero, which no row states.
+  /// task may narrow its taps or delays (a filter, a family, whole coefficients, kinds of delays). Or rows of
+  /// `margin` and `delay` are not its limits: they count dry friction both ways, and none states an exact stop.
   const std::string& objection() const { return objection_; }
   const std::vector<int>& samples() const {
     return samples_;
@@ -83,8 +83,9 @@ class ComparisonCase {
   std::mt19937_64 generator(int index, std::uint64_t seed) const;
   Filter start_filter(int index, std::mt19937_64& rng) const;  ///< draws from the generator
 
-  /// @param longest  order of the motion behind the machine's response
-  std::string unstated_stop(int longest) const;
+  /// Why the rows of corner errors are not those of the task. @param longest  order of the motion behind the machine's
+  /// response
+  std::string unstated_error(int longest) const;
 
   CaseSpec spec_;
   std::string objection_;

@@ -51,9 +51,9 @@ std::optional<Claim> claim_in(const std::string& line) {
                                                      {"unbounded", Claim::unbounded},
                                                      {"time limit", Claim::time_limit},
                                                      {"stopped on time", Claim::time_limit},
-                                                     {"non-optimal", Claim::time_limit},
-                                                     {"sub-optimal", Claim::time_limit},
-                                                     {"suboptimal", Claim::time_limit},
+                                                     {"non-optimal", Claim::acceptable},
+                                                     {"sub-optimal", Claim::acceptable},
+                                                     {"suboptimal", Claim::acceptable},
                                                      {"infeasible", Claim::infeasible},
                                                      {"no feasible", Claim::infeasible},
                                                      {"integer empty", Claim::infeasible},
@@ -155,7 +155,9 @@ ExternalAnswer read_names(const std::string& text, std::size_t columns) {
   std::istringstream in(text);
   ExternalAnswer answer;
   std::optional<Claim> claim;
-  std::vector<bool> seen(columns);
+  // Multipliers may follow under the same names, behind a line that says so. The first list is the answer.
+  std::vector<int> list_of(columns);
+  int list = 1;
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line);
     std::size_t column = 0;
@@ -165,9 +167,13 @@ ExternalAnswer read_names(const std::string& text, std::size_t columns) {
       if (column > columns)
         throw std::invalid_argument(fmt::format("its answer names X{}; the problem has {} variables", column, columns));
       answer.x.resize(columns, 0.0);
-      if (!seen[column - 1]) answer.x[column - 1] = *value;  // multipliers may follow under the same names
-      seen[column - 1] = true;
-    } else if (answer.x.empty()) {
+      int& seen = list_of[column - 1];
+      if (seen == list) throw std::invalid_argument(fmt::format("its answer names X{} twice", column));
+      if (seen == 0) answer.x[column - 1] = *value, seen = list;
+      continue;
+    }
+    ++list;
+    if (answer.x.empty()) {
       // The last word before the values: a log tells of relaxations and limits first.
       if (const auto found = claim_in(in_small(line))) claim = found, answer.message = printable(line.substr(0, 200));
     }

@@ -125,6 +125,7 @@ class SuiteReader {
   /// A case for each formulation and size. @param tree  of the task
   void add_cases(const Table& table, comparison::CaseSpec& spec, const toml::table& tree,
                  const std::vector<int>& factors, Suite& suite) {
+    check_order(table, spec, tree);
     std::ostringstream problem;
     problem << tree << '\n'
             << fmt::format("{} {} {} {}\n", spec.order, expected_number(spec), spec.time_limit,
@@ -165,8 +166,29 @@ class SuiteReader {
     if (given.size() != 1 && given.size() != corners)
       table.fail_at("delay_samples",
                     fmt::format("`delay_samples` needs one number, or one for each of the {} corners", corners));
-    for (std::size_t j = 0; j < corners; ++j)
+    for (std::size_t j = 0; j < corners; ++j) {
       spec.delays[j] = static_cast<int>(given.size() == 1 ? given.front() : given[j]);
+      const TaskCorner& corner = spec.task.corners[j];
+      if (corner.delay && *corner.delay != spec.delays[j])
+        table.fail_at(
+            "delay_samples", j,
+            fmt::format("`delay_samples` = {0} contradicts the task, which gives {1} to corner {2}; allowed is "
+                        "{1}, or no `delay_samples`",
+                        spec.delays[j], *corner.delay, corner.name));
+    }
+  }
+
+  /// Refuses an order that the task itself excludes. Its defaults exclude none.
+  static void check_order(const Table& table, const comparison::CaseSpec& spec, const toml::table& tree) {
+    const auto& design = spec.task.design;
+    const auto given = tree["design"];
+    const auto refuse = [&](const char* sign, const char* key, int bound) {
+      table.fail_at("order",
+                    fmt::format("order {} of \"{}\" contradicts the task; allowed is order {} its [design] {} = {}",
+                                spec.order, spec.name, sign, key, bound));
+    };
+    if (given["order_min"] && spec.order < design.order_min) refuse(">=", "order_min", design.order_min);
+    if (given["order_max"] && spec.order > design.order_max) refuse("<=", "order_max", design.order_max);
   }
 
   void check(const Table& table, const comparison::CaseSpec& spec, const Suite& suite) const {
@@ -174,9 +196,6 @@ class SuiteReader {
       if (other.name == spec.name && other.question == spec.question)
         table.fail_at("name", fmt::format("the name \"{}\" is taken already", spec.name));
     }
-    const bool bounded = std::any_of(spec.task.corners.begin(), spec.task.corners.end(),
-                                     [](const TaskCorner& c) { return c.error_max && *c.error_max > 0.0; });
-    if (!bounded) table.fail_at("task", "a comparison problem needs a corner with error_max_um > 0");
   }
 
   std::string path_;

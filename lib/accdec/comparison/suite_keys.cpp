@@ -115,6 +115,7 @@ std::vector<Key> problem_keys() {
              .most = 10'000,
              .fallback = "chosen",
              .example = "12",
+             .whole = true,
              .lone = true};
   Key order = integer("order", "order N at size 1", {1, most_taps}, "", "30");
   order.unit = "taps less 1";

@@ -220,6 +220,20 @@ void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
   for (std::size_t j = 0; j < task.corners.size(); ++j) add_blend_rows(problem, b, task, options, j);
 }
 
+std::string friction_both_ways(const Task& task) {
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    const Axis& axis = task.machine.axes[a];
+    for (const TaskCorner& corner : task.corners) {
+      const auto i = static_cast<Eigen::Index>(a);
+      if (axis.coulomb > 0.0 && corner.geometry().direction_in[i] * corner.geometry().direction_out[i] < 0.0)
+        return fmt::format(
+            "axis {} has dry friction and reverses at corner {}: rows count friction both ways at every sample",
+            axis.name, corner.name);
+    }
+  }
+  return "";
+}
+
 std::vector<std::vector<double>> initial_frequencies(const Task& task, int order) {
   std::vector<std::vector<double>> all;
   for (const Mode& mode : task.machine.modes) {

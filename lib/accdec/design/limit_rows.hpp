@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <accdec/design/cumulative_variables.hpp>
@@ -38,6 +39,10 @@ void add_blend_rows(QuadraticProblem& problem, const CumulativeVariables& b, con
 /// The other part.
 void add_common_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                      const FormulationOptions& options);
+
+/// Why these rows are narrower than the task, in words; empty if they are not. The sample at which an axis reverses is
+/// not known, so its dry friction counts against the limits both ways.
+std::string friction_both_ways(const Task& task);
 
 /// When the path is as far from leg 1 as from leg 2, see FormulationOptions::contour_times.
 /// @param motion  the filter of the motion

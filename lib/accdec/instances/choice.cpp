@@ -193,17 +193,7 @@ Choice choice_of(const Task& task, int order) {
         "delay each");
   if (std::ranges::any_of(task.corners, [](const TaskCorner& c) { return c.contour_max.has_value(); }))
     throw std::invalid_argument("a whole choice knows no contour_max_um: a row of it holds for one time only");
-  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-    const auto reverses = [&](const TaskCorner& c) {
-      return c.geometry().direction_in[static_cast<Eigen::Index>(a)] *
-                 c.geometry().direction_out[static_cast<Eigen::Index>(a)] <
-             0.0;
-    };
-    if (task.machine.axes[a].coulomb > 0.0 && std::ranges::any_of(task.corners, reverses))
-      throw std::invalid_argument(
-          "a whole choice knows no dry friction of an axis that reverses: its rows count friction both ways at every "
-          "sample");
-  }
+  if (const std::string reason = friction_both_ways(task); !reason.empty()) throw std::invalid_argument(reason);
   return ChoiceBuilder(task, order).build();
 }
 
