@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design.hpp>
+#include <accdec/design/design_settings.hpp>
 #include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/machine/limit_unit.hpp>
@@ -163,8 +163,7 @@ std::optional<DesignResult> today(const DesignResult& result) {
   if (!result.task.baseline) return {};
   Task task = result.task;
   task.filter = std::exchange(task.baseline, {});
-  task.settings.reset();
-  DesignResult made = design_task(task);
+  DesignResult made = design_given(std::move(task));
   if (made.status != Status::optimal && made.status != Status::feasible) made.filter.reset();
   return made;
 }
