@@ -19,7 +19,7 @@ DesignResult boxcar(const std::string& axis, const std::string& corner) {
                                   "task.toml", {.response = Considered::all}));
 }
 
-// Back on itself, the velocity falls from 100 to -100 mm/s by 10 mm/s a sample: the axis stops 0.45 or 0.5 mm before
+// Back on itself, the velocity falls from 100 to -100 mm/s by 10 mm/s a sample. The axis stops 0.45 or 0.5 mm before
 // the corner, by where a sample begins.
 TEST(PlotDrawnMotion, PathOfReversalShowsWhereItTurns) {
   const Panel path = plot_result(boxcar("", "direction_in = [1]\ndirection_out = [-1]\n"), "").panels.front();
