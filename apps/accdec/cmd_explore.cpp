@@ -52,8 +52,9 @@ bool open_browser(const std::string& address) {
 /// The text that the page begins with.
 std::string start_of(const ExploreArguments& arguments, const Context& context) {
   if (!arguments.task.empty()) {
-    const Task task =
-        read_task(arguments.task, {.require_corners = false, .axes = static_cast<int>(program_axis_count)});
+    const Task task = read_task(
+        arguments.task,
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
     warn(task, arguments.task, context);
     StatusLine status(context.quiet);
     return explore::program_start_json(arguments.file, task, arguments.free_seconds,

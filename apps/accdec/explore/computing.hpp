@@ -1,10 +1,12 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include <accdec/files.hpp>
 
@@ -17,13 +19,14 @@ class Computing {
   using Flag = std::shared_ptr<std::atomic<bool>>;
   /// Cancels what computes there. Null if there is too much to do already.
   /// @param seconds  after which `cancel_late` cancels it
-  Flag enter(const std::string& place, double seconds) {
+  /// @param gone     whether nobody waits for the answer any more: `cancel_late` asks that, until the question leaves
+  Flag enter(const std::string& place, double seconds, std::function<bool()> gone) {
     const std::lock_guard lock(mutex_);
     if (const auto before = questions_.find(place); before != questions_.end()) before->second.flag->store(true);
     if (ended_ || count_ >= most) return nullptr;
     ++count_;
     const auto flag = std::make_shared<std::atomic<bool>>(false);
-    questions_[place] = {flag, Deadline(seconds)};
+    questions_[place] = {flag, Deadline(seconds), std::move(gone)};
     return flag;
   }
   void leave(const std::string& place, const Flag& flag) {
@@ -35,7 +38,7 @@ class Computing {
   void cancel_late() {
     const std::lock_guard lock(mutex_);
     for (const auto& [place, question] : questions_) {
-      if (question.until.over()) question.flag->store(true);
+      if (question.until.over() || question.gone()) question.flag->store(true);
     }
   }
   /// Cancels what computes for this page in this slot, whatever the question.
@@ -57,6 +60,7 @@ class Computing {
   struct Question {
     Flag flag;
     Deadline until;
+    std::function<bool()> gone;
   };
   std::mutex mutex_;
   std::map<std::string, Question> questions_;

@@ -15,6 +15,10 @@ bool Connection::ready(short event, milliseconds most) const {
   return ::poll(&file, 1, static_cast<int>(std::max<milliseconds::rep>(0, most.count()))) > 0;
 }
 
+bool Connection::ended() const {
+  return ready(POLLRDHUP, milliseconds(0));
+}
+
 void Connection::begin() {
   until_ = std::chrono::steady_clock::now() + head_time;
   left_ = head_bytes + body_bytes;

@@ -24,6 +24,8 @@ class Connection : public httplib::Stream {
   void expect_body();
   /// Whether a limit was passed, or the other end is gone: what is left of the request will not be read.
   bool failed() const { return failed_; }
+  /// Whether the other end sends no more: a page that is closed or loaded again reads no answer.
+  bool ended() const;
   /// Whether a byte arrives within that time.
   bool wait(std::chrono::milliseconds most) const;
 

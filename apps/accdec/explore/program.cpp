@@ -14,6 +14,7 @@
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
@@ -126,7 +127,8 @@ std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& 
                                     double free_seconds, const std::function<void(const std::string&)>& tell) {
   std::vector<ProgramResult> plans;
   std::optional<CornerBound> bound;
-  if (file.path.blocks() <= several_plans_max) bound = corner_bound_of(file.path, task);
+  if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
+    bound = corner_bound_of(file.path, task);
   const double chords = file.reading.read.arc_tolerance;
   const auto add = [&](ProgramResult result) {
     if (result.verification.feasible)
@@ -257,7 +259,7 @@ Task first_task(const Json& program, const std::string& name) {
   if (corners.empty()) return parse_task(cli::machine_file(cli::first_machine).text, std::string(cli::first_machine));
   Json task = program["base"];
   task["corner"] = Json::array({(*std::min_element(corners.begin(), corners.end(), sharper))["corner"]});
-  return parse_task_json(task.dump(), name);
+  return parse_task_json(task.dump(), name, {.response = Considered::all});
 }
 
 }  // namespace

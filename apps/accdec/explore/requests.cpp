@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/design.hpp>
+#include <accdec/design/design_settings.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/files/json_position.hpp>
@@ -100,10 +101,9 @@ Json views_json(const DesignResult& result, const Question& question, const Dead
 
 Answer design(const Question& question) {
   const Deadline deadline(question.seconds);
-  Task task = task_of(question);
-  // A filter to compare with: the settings of the control would choose another.
-  if (question.format == "given") task.settings.reset();
-  DesignResult result = design_task(task, options_of(question));
+  const Task task = task_of(question);
+  DesignResult result =
+      question.format == "given" ? design_given(task, options_of(question)) : design_task(task, options_of(question));
   Json proof{{"rechecked", false}, {"text", ""}};
   if (result.status == Status::optimal) {
     const ResultCheck check = verify_result(
@@ -148,6 +148,8 @@ Json family_json(const Family& family, const FamilyResult& best) {
 
 Answer compare_families(const Question& question) {
   Task task = task_of(question);
+  if (control_restricts(task))
+    return {200, "application/json", dumped({{"families", Json::array()}, {"complete", true}})};
   task.filter.reset();
   const std::vector<FamilyResult> best = best_members(task, question.seconds, question.cancel);
   Json json{{"families", Json::array()}, {"complete", true}};

@@ -162,7 +162,8 @@ class PageServer : public httplib::Server {
     const bool whole = request.has_param("whole");
     // Other questions keep their time themselves. The question's own clock begins a moment later.
     const Computing::Flag flag =
-        computing_.enter(place, whole ? *seconds + 0.1 : std::numeric_limits<double>::infinity());
+        computing_.enter(place, whole ? *seconds + 0.1 : std::numeric_limits<double>::infinity(),
+                         [asking = asking_] { return asking->ended(); });
     if (!flag) {
       refuse(response, {503, "too many questions at a time"});
       return;
@@ -189,6 +190,7 @@ class PageServer : public httplib::Server {
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     ++connections_;
     Connection connection(socket);
+    asking_ = &connection;
     constexpr int most_requests = 1000;
     bool good = true, closed = false;
     for (int i = 1; good && !closed && i <= most_requests && comes(connection, i == 1); ++i) {
@@ -207,6 +209,8 @@ class PageServer : public httplib::Server {
     --connections_;
     return good;
   }
+
+  static inline thread_local const Connection* asking_ = nullptr;  ///< whose requests this thread answers
 
   const Served& served_;
   const Admission admission_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include <accdec/machine.hpp>
 #include <accdec/machine/signed_value.hpp>
+#include <accdec/plot/path_panels.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verified_contour.hpp>
 
@@ -125,7 +127,8 @@ class View {
   }
   static void add_quantity(LimitKind kind, Json axes, Json& quantities) {
     const LimitName& name = limit_name(kind);
-    if (!axes.empty()) quantities.push_back({{"kind", name.name}, {"unit", name.unit}, {"axes", std::move(axes)}});
+    const std::string_view unit = kind == LimitKind::force_speed ? "%" : name.unit;
+    if (!axes.empty()) quantities.push_back({{"kind", name.name}, {"unit", unit}, {"axes", std::move(axes)}});
   }
 
   /// Every axis that moves; a load only of those where it is limited.
@@ -138,6 +141,19 @@ class View {
         axes.push_back(curve_json(axis.name, values(a, limit.kind), bound, bound, limit.kind));
     }
     add_quantity(limit.kind, std::move(axes), quantities);
+  }
+
+  /// A limit that is a curve of force by speed: in percent of that.
+  void add_force_use(Json& quantities) const {
+    Json axes = Json::array();
+    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
+      const Axis& axis = task_.machine.axes[a];
+      if (!moves(a) || !(axis.force_speed_max < unlimited)) continue;
+      std::vector<double> used = values(a, LimitKind::force_speed);
+      for (double& force : used) force *= 100.0 / axis.force_speed_max;
+      axes.push_back(curve_json(axis.name, used, 100.0, unlimited, LimitKind::force_speed));
+    }
+    add_quantity(LimitKind::force_speed, std::move(axes), quantities);
   }
 
   /// Power has a bound of its own for driving, above zero, and for braking, below. If one axis has all the power, the
@@ -175,27 +191,16 @@ class View {
     for (const AxisLimit& limit : axis_limits) {
       if (limit.kind == LimitKind::power)
         add_power(quantities);
+      else if (limit.kind == LimitKind::force_speed)
+        add_force_use(quantities);
       else if (limit.kind != LimitKind::regeneration)
         add_axes(limit, quantities);
     }
     return quantities;
   }
 
-  /// Axes of the drawing: the machine's own if it has two, else the corner's plane, along the motion and halving the
-  /// angle.
   Json path_json() const {
-    const Machine& machine = task_.machine;
-    Eigen::VectorXd across = Eigen::VectorXd::Zero(legs_.direction_in.size()), up = across;
-    Json names{"along the motion", "towards the inside"};
-    if (machine.axes.size() == 2) {
-      across[0] = 1.0, up[1] = 1.0;
-      names = {machine.axes[0].name, machine.axes[1].name};
-    } else {
-      const auto unit = [](const Eigen::VectorXd& v) {
-        return v.norm() > 1e-9 ? Eigen::VectorXd(v / v.norm()) : Eigen::VectorXd(0.0 * v);
-      };
-      across = unit(legs_.direction_in + legs_.direction_out), up = unit(legs_.direction_out - legs_.direction_in);
-    }
+    const auto [across, up, along, inwards] = plane_of(legs_, task_.machine);
     constexpr double micrometres = 1e6;
     std::vector<double> x, y, off;
     Json between = Json::array();
@@ -217,13 +222,11 @@ class View {
       const Eigen::VectorXd s = motion_.position.row(n).transpose() * micrometres;
       x.push_back(s.dot(across)), y.push_back(s.dot(up));
     }
-    const auto flat = [&](const Eigen::VectorXd& u) { return Json{u.dot(across), u.dot(up)}; };
-    return {{"names", names},
-            {"x_um", rounded(std::move(x))},
-            {"y_um", rounded(std::move(y))},
-            {"in", flat(legs_.direction_in)},
-            {"out", flat(legs_.direction_out)},
-            {"off_um", points_.curve(off)},
+    const auto flat = [&, &across = across, &up = up](const Eigen::VectorXd& u) {
+      return Json{u.dot(across), u.dot(up)};
+    };
+    return {{"names", {along, inwards}},      {"x_um", rounded(std::move(x))},    {"y_um", rounded(std::move(y))},
+            {"in", flat(legs_.direction_in)}, {"out", flat(legs_.direction_out)}, {"off_um", points_.curve(off)},
             {"between", std::move(between)}};  // ms, um: where the path is farther off than at both samples
   }
 

@@ -17,7 +17,6 @@
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
-#include <accdec/task/objective.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
 
@@ -122,20 +121,45 @@ void compare_with_taps(const DesignOptions& options, double seconds, DesignResul
 
 }  // namespace
 
+bool control_restricts(const Task& task) {
+  return task.settings && (task.settings->names_family() || !task.settings->any_delay());
+}
+
+DesignResult design_given(Task task, const DesignOptions& options) {
+  if (!control_restricts(task)) {
+    task.settings.reset();
+    return design_task(task, options);
+  }
+  const auto began = std::chrono::steady_clock::now();
+  const auto late = [&] {
+    return seconds_since(began) > options.time_limit || (options.cancel != nullptr && options.cancel->load());
+  };
+  const Filter filter = make_filter(*task.filter);
+  if (const auto delays = delays_of_kinds(filter, task, unlimited, late)) {
+    DesignResult result = assess(task, filter, delays->delays, false, delays->parts);
+    if (result.has_design()) return result;
+  }
+  DesignResult none;
+  none.task = std::move(task);
+  const bool any = !late();
+  none.status = any ? Status::infeasible : Status::failed;
+  none.message = any ? "today's setting breaks a limit, whatever the delays" : "no delays were found in the time given";
+  return none;
+}
+
 void compare_with_today(DesignResult& result) {
   if (!result.task.baseline) return;
-  const Filter today = make_filter(*result.task.baseline);
-  const auto delays = delays_of_kinds(today, result.task, unlimited);
-  if (!delays || !verify_by_simulation(result.task, today, delays->delays, nullptr, nullptr, delays->parts).feasible) {
+  Task given = result.task;
+  given.filter = given.baseline;
+  const DesignResult today = design_given(given);
+  if (!today.has_design()) {
     result.message += result.message.empty() ? "" : "; ";
-    result.message += "today's setting breaks a limit, whatever the delays";
+    result.message += today.message;
     return;
   }
-  const double time =
-      objective_time(result.task, today.order(), delays->delays) + delays->lost * result.task.sample_period;
   Savings savings;
-  savings.today = time;
-  savings.total = time - result.objective();
+  savings.today = today.objective();
+  savings.total = savings.today - result.objective();
   result.savings = savings;
 }
 

@@ -15,6 +15,13 @@ namespace accdec {
 /// @param task  with settings that name a family
 DesignResult design_settings(const Task& task, const DesignOptions& options);
 
+/// Whether the control restricts filter or delays: what other controls have is no comparison then.
+bool control_restricts(const Task& task);
+
+/// The task's [filter] with the best delays that its control can give it. If a control restricts these, the result is
+/// verified but not proved, and it has a message in place of a filter if no such delays hold all limits.
+DesignResult design_given(Task task, const DesignOptions& options = {});
+
 /// Adds what the task's [baseline] takes with the best delays that the controller can give it, and what is saved.
 void compare_with_today(DesignResult& result);
 

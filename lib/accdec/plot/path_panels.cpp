@@ -21,24 +21,6 @@ constexpr double no_distance = 1e-12;          ///< m; distances below it are ze
 constexpr double margin = 0.06;                ///< of the path's panel, on every side
 constexpr double lowest = 1.0, highest = 1.6;  ///< of the path's panel, see Panel::taller
 
-/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, a along the motion, b
-/// halving the angle.
-struct PathPlane {
-  Eigen::VectorXd across, up;
-  std::string across_name, up_name;
-};
-
-PathPlane plane_of(const Corner& corner, const Machine& machine) {
-  if (corner.axes() == 2) {
-    return {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), machine.axes[0].name, machine.axes[1].name};
-  }
-  const auto unit = [](Eigen::VectorXd v) {
-    const double length = v.norm();
-    return length > 1e-9 ? Eigen::VectorXd(v / length) : Eigen::VectorXd(Eigen::VectorXd::Zero(v.size()));
-  };
-  return {unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in), "a", "b"};
-}
-
 /// The part of the plane that is drawn, m.
 struct PathWindow {
   double left = 0.0, right = 0.0, low = 0.0, high = 0.0;
@@ -59,9 +41,9 @@ void show_blend(PathWindow& window, const CornerMotion& at, const PathPlane& pla
   // A path that hardly leaves its legs is drawn in a window of the size of the tolerance.
   const bool leaves = most > std::max(0.02 * tolerance, no_distance);
   // At a sharp corner, the path turns back far from it and near to both legs.
-  const double reach = leaves            ? std::max(4.0 * most, 1.5 * at.measures.corner_error)
-                       : tolerance > 0.0 ? 1.5 * tolerance
-                                         : 1e-4;
+  // One that turns back does not leave its legs at all.
+  double reach = std::max(leaves ? 4.0 * most : 1.5 * tolerance, 1.5 * at.measures.corner_error);
+  if (!(reach > no_distance)) reach = 1e-4;
   for (std::size_t n = 0; n < off.size(); ++n) {
     const Eigen::VectorXd s = at.motion.position.row(static_cast<Eigen::Index>(rows[n])).transpose();
     if (leaves && off[n] > 0.01 * most && s.norm() < 1.6 * reach) window.show(s.dot(plane.across), s.dot(plane.up));
@@ -145,6 +127,21 @@ Length length_unit(double largest) {
 }
 
 }  // namespace
+
+PathPlane plane_of(const Corner& corner, const Machine& machine) {
+  if (corner.axes() == 2) {
+    return {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), machine.axes[0].name, machine.axes[1].name};
+  }
+  const auto unit = [](Eigen::VectorXd v) {
+    const double length = v.norm();
+    return length > 1e-9 ? Eigen::VectorXd(v / length) : Eigen::VectorXd(Eigen::VectorXd::Zero(v.size()));
+  };
+  PathPlane plane{unit(corner.direction_in + corner.direction_out), unit(corner.direction_out - corner.direction_in),
+                  "along the motion", "towards the inside"};
+  // A motion that turns back has no inside.
+  if (plane.across.isZero()) plane.across = corner.direction_in, plane.up.setZero();
+  return plane;
+}
 
 CornerMotion::CornerMotion(const DesignResult& r, std::size_t index)
     : result(r),

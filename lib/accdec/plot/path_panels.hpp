@@ -1,7 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include <accdec/plot/figure.hpp>
 #include <accdec/result.hpp>
@@ -10,6 +13,14 @@
 // Internal to the library.
 
 namespace accdec {
+
+/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, along the motion and
+/// halving the angle.
+struct PathPlane {
+  Eigen::VectorXd across, up;
+  std::string across_name, up_name;
+};
+PathPlane plane_of(const Corner& corner, const Machine& machine);
 
 /// The motion of one corner of a result, behind the machine's response.
 struct CornerMotion {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design.hpp>
+#include <accdec/design/design_settings.hpp>
 #include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/machine/limit_unit.hpp>
@@ -26,11 +26,17 @@ namespace {
 
 using namespace figure_style;
 
+/// The use of a limit that is a curve of force by speed is drawn in percent.
+LimitUnit drawn_unit(LimitKind kind, std::string_view axis) {
+  return kind == LimitKind::force_speed ? LimitUnit{"%", 1.0} : limit_unit(kind, axis);
+}
+
 /// Regeneration is the lower bound of power.
 Bounds bounds_of(const Axis& axis, LimitKind kind) {
   if (kind == LimitKind::power) return {-axis.regeneration_max, axis.power_max};
   const double bound = axis.*axis_limit(kind).bound;
-  return {kind == LimitKind::force_speed ? -unlimited : -bound, bound};
+  if (kind == LimitKind::force_speed) return {-unlimited, bound < unlimited ? 100.0 : unlimited};
+  return {-bound, bound};
 }
 
 /// A quantity of an axis over time, in the unit it is drawn in: velocity, acceleration and jerk of the command, loads
@@ -41,14 +47,16 @@ Series curve_of(LimitKind kind, const CornerMotion& at, std::size_t axis) {
   const double still = still_part * std::max(motion.velocity.row(motion.cruise_in).norm(),
                                              motion.velocity.row(motion.cruise_out).norm());
   AxisSampler sampler(at.result.task.machine.axes[axis], at.result.task.sample_period, still);
-  const double per_si = limit_unit(kind, at.result.task.machine.axes[axis].name).per_si;
+  const Axis& moved = at.result.task.machine.axes[axis];
+  const double factor =
+      kind == LimitKind::force_speed ? 100.0 / moved.force_speed_max : limit_unit(kind, moved.name).per_si;
   Series curve{"", at.time, {}, kind == LimitKind::velocity ? Mark::line : Mark::steps, design_style, true};
   for (Eigen::Index n = 0; n < at.motion.velocity.rows(); ++n) {
     const SampledMotion& command = at.sampled.command;
     const AxisState state = with_load(sampler.next(command.velocity(n, column), command.acceleration(n, column)),
                                       at.result.task.machine.axes[axis], at.motion.velocity(n, column),
                                       at.motion.acceleration(n, column), still);
-    curve.y.push_back(signed_value(state, kind) * per_si);
+    curve.y.push_back(signed_value(state, kind) * factor);
   }
   return curve;
 }
@@ -89,8 +97,8 @@ void add_speed(Panel& panel, const CornerMotion& now, const CornerMotion* before
 std::optional<Panel> motion_panel(LimitKind kind, std::string_view like, const CornerMotion& now,
                                   const CornerMotion* before) {
   const std::vector<Axis>& axes = now.result.task.machine.axes;
-  const LimitUnit unit = limit_unit(kind, like);
-  QuantityPanel panel(unit, kind == LimitKind::force_speed ? "force scaled to standstill" : limit_word(kind, like),
+  const LimitUnit unit = drawn_unit(kind, like);
+  QuantityPanel panel(unit, kind == LimitKind::force_speed ? "use of the force-speed curve" : limit_word(kind, like),
                       time_panel(now, before));
   std::vector<Series> moved;
   int drawn = 0;
@@ -163,8 +171,7 @@ std::optional<DesignResult> today(const DesignResult& result) {
   if (!result.task.baseline) return {};
   Task task = result.task;
   task.filter = std::exchange(task.baseline, {});
-  task.settings.reset();
-  DesignResult made = design_task(task);
+  DesignResult made = design_given(std::move(task));
   if (made.status != Status::optimal && made.status != Status::feasible) made.filter.reset();
   return made;
 }

@@ -29,7 +29,8 @@ export function distances({ time_ms, path }, period) {
 }
 
 /** "power of all axes / W" */
-const titleOf = ({ kind, unit: of }) => `${kind.replace(/_total$/, " of all axes").replaceAll("_", " ")} / ${unit(of)}`;
+const titleOf = ({ kind, unit: of }) =>
+  `${kind.replace("force_speed", "use of the force-speed curve").replace(/_total$/, " of all axes").replaceAll("_", " ")} / ${unit(of)}`;
 
 /** Limits with the names of their axes; without, where all axes have the same, and below zero where both sides have it. */
 const named = (limits, axes) =>

@@ -97,6 +97,15 @@ function rowsOf(program, speeds) {
   ];
 }
 
+const size = (draw) => ({ width: Math.max(260, draw.clientWidth), height: 170 });
+
+/** Makes charts as wide as their places now are. */
+export function fit(charts) {
+  for (const { root } of charts) root.hidden = true; // a place is not held open by what is in it
+  const sizes = charts.map(({ root }) => size(root.parentElement));
+  charts.forEach((chart, i) => ((chart.root.hidden = false), chart.setSize(sizes[i])));
+}
+
 /**
  * In place of what was there.
  * @param follow  called with the chart whose cursor moves
@@ -138,8 +147,7 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
       if (first) hooks.push((u) => bars(u, plan));
       const chart = new uPlot(
         {
-          width: Math.max(260, draw.clientWidth),
-          height: 170,
+          ...size(draw),
           scales: { x: { time: false, ...(time ? rangeFrom(time, data[0]) : {}) }, ...(first ? { y: { range: speeds.range } } : {}) },
           legend: { live: true },
           padding,

@@ -23,8 +23,9 @@ function extent(view, tolerance) {
   const most = Math.max(...view.path.off_um);
   const leaves = most > Math.max(0.02 * (tolerance ?? 0), 1e-6);
   const error = Math.min(...view.path.x_um.map((x, i) => Math.hypot(x, view.path.y_um[i])));
-  // At a sharp corner, the path turns back far from it and near to both legs.
-  const near = leaves ? Math.max(4 * most, 1.5 * error) : (1.5 * tolerance || 100);
+  // At a sharp corner, the path turns back far from it and near to both legs. One that turns back does not leave them.
+  const reach = Math.max(leaves ? 4 * most : 1.5 * tolerance, 1.5 * error);
+  const near = reach > 1e-6 ? reach : 100;
   const blend = leaves ? blendOf(view.path) : null;
   for (let i = blend?.[0] ?? 1; i <= (blend?.[1] ?? 0); ++i) {
     const x = view.path.x_um[i],

@@ -3,7 +3,7 @@ import { cornerText, openCorner } from "./corner.js";
 import { cornerList } from "./corner_list.js";
 import { $, four, instant, make, table } from "./format.js";
 import { showUndo, undoByKeys } from "./history.js";
-import { nearestTo, timeCharts, zoomTo } from "./over_time.js";
+import { fit, nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
 import { baseName, frozen, Saving } from "./save.js";
 import { Scene } from "./scene.js";
@@ -140,8 +140,9 @@ function showMark(i, from) {
 /** By keys: within what is shown of the time. */
 function step(way, { min, max }) {
   const times = program.plans[shown.plan].t_s;
-  const first = nearestTo(times, min),
-    last = nearestTo(times, max);
+  const inside = (i, way) => (way * (times[i] - (way > 0 ? min : max)) < 0 ? i + way : i);
+  const first = inside(nearestTo(times, min), 1),
+    last = Math.max(first, inside(nearestTo(times, max), -1));
   const from = shown.mark < 0 ? first - Math.sign(way) : shown.mark;
   showMark(Math.min(last, Math.max(first, from + way)));
 }
@@ -263,7 +264,11 @@ const say = (text) => ($("#info").textContent = text || "\u00a0");
 $("#save").addEventListener("click", () => saving.save(pageText, file, say));
 addEventListener("resize", () => {
   clearTimeout(drawTime.later);
-  drawTime.later = setTimeout(() => (drawTime(), tables(), requestAnimationFrame(() => pointAt(state.now.at))), 200);
+  drawTime.later = setTimeout(() => {
+    const { at } = state.now; // charts that are resized move their cursors
+    fit(charts);
+    requestAnimationFrame(() => pointAt(at));
+  }, 200);
 });
 show(state.now);
 cornerList(program, { addressOf, feedsOf, open: choose });

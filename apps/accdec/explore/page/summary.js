@@ -58,13 +58,15 @@ export function summary(page) {
   const today = same(page.today);
   const own = today?.result.filter ? today.result : null;
   const best = same(page.families)?.families.filter((f) => f.objective_s !== undefined && f.of === page.design.of) ?? [];
-  if (filterOfToday(task) && own) {
-    const saved = objective(own) - time;
+  // Where the control restricts the delays, the result has its savings itself.
+  const savings = result.savings ?? (own && { today_s: objective(own), total_s: objective(own) - time });
+  if (filterOfToday(task) && savings) {
+    const saved = savings.total_s;
     const retuned = best.find((f) => f.name === page.families.own_family);
-    const by = retuned ? ms(objective(own) - retuned.objective_s) : "0";
+    const by = retuned ? ms(savings.today_s - retuned.objective_s) : "0";
     const less = ms(saved) === "0" ? "just as long" : saved < 0 ? `${ms(-saved)} ms more` : `${ms(saved)} ms less`;
     parts.push(
-      `Today: ${ms(objective(own))} ms; `,
+      `Today: ${ms(savings.today_s)} ms; `,
       make("b", { id: "saved", "data-value": saved }, less),
       by === "0" ? "" : ` (${by} by setting today\u2019s filter otherwise)`,
       ".",

@@ -1,0 +1,34 @@
+"""Charts over time in a window of another width."""
+import time
+
+CHART = "document.querySelector('#over-time .draw')"
+STATE = "[accdecProgram.shown.mark, document.activeElement === " + CHART + "]"
+
+
+def press(browser, *keys):
+    for key in keys:
+        browser.value(f"{CHART}.dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}' }}))")
+        time.sleep(0.1)
+
+
+def resized(browser, check):
+    """Cursor and focus stay when the window changes, and a cursor begins within what is shown of the time."""
+    browser.value("document.activeElement.blur(), accdecProgram.state.set({ time: '' }),"
+                  f" {CHART}.focus()")
+    press(browser, "+", "+", "ArrowRight", "ArrowRight")
+    before = browser.value(STATE)
+    check(before[1] and before[0] > 0, f"the cursor over time is at sample {before[0]}")
+    for wide in (800, 1200):
+        browser.page("Emulation.setDeviceMetricsOverride", width=wide, height=1000, deviceScaleFactor=1, mobile=False)
+        time.sleep(0.6)
+        check(browser.value(STATE) == before, f"it stays there, with the focus, in a window of {wide} px")
+        off = browser.value("accdecProgram.charts.filter((c) => Math.abs(c.width -"
+                            " Math.max(260, c.root.parentElement.clientWidth)) > 1).length")
+        check(off == 0, "and every chart is as wide as its place")
+    for key in ("ArrowRight", "ArrowLeft", "Home", "End"):
+        press(browser, key)
+        inside = browser.value("(({ min, max }) => { const t = accdecProgram.program.plans[accdecProgram.shown.plan]"
+                               ".t_s[accdecProgram.shown.mark]; return min - 1e-9 <= t && t <= max + 1e-9; })"
+                               "(accdecProgram.charts[0].scales.x)")
+        check(inside, f"{key} leaves the cursor within what is shown")
+    press(browser, *["-"] * 4)
