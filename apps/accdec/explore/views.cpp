@@ -12,7 +12,7 @@
 
 #include <accdec/machine.hpp>
 #include <accdec/machine/signed_value.hpp>
-#include <accdec/plot/path_panels.hpp>
+#include <accdec/plot/path_plane.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verified_contour.hpp>
 

@@ -7,20 +7,13 @@
 #include <Eigen/Core>
 
 #include <accdec/plot/figure.hpp>
+#include <accdec/plot/path_plane.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task/simulation.hpp>
 
 // Internal to the library.
 
 namespace accdec {
-
-/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, along the motion and
-/// halving the angle.
-struct PathPlane {
-  Eigen::VectorXd across, up;
-  std::string across_name, up_name;
-};
-PathPlane plane_of(const Corner& corner, const Machine& machine);
 
 /// The motion of one corner of a result, behind the machine's response.
 struct CornerMotion {

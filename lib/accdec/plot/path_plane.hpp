@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include <accdec/corner.hpp>
+#include <accdec/machine.hpp>
+
+// Internal to the library.
+
+namespace accdec {
+
+/// Axes of the drawing: the machine's first two if it has no more, else the plane of the corner, along the motion and
+/// halving the angle.
+struct PathPlane {
+  Eigen::VectorXd across, up;
+  std::string across_name, up_name;
+};
+PathPlane plane_of(const Corner& corner, const Machine& machine);
+
+}  // namespace accdec
