@@ -9,7 +9,6 @@ TASK = """sample_period_ms = 1
 [controller]
 prefilter_taps = [0.1, 0.4, 0.35, 0.15]
 [design]
-order_max = 60
 {design}
 [[axis]]
 acceleration_max_mm_s2 = 6000
@@ -31,12 +30,14 @@ CASES = {
     "force by speed": {"axis": "mass_kg = 30\ndamping_N_s_m = 50\nforce_speed_N = [[20, 190], [200, 100]]"},
     "mode": {"more": "[[mode]]\nfrequency_Hz = [40, 44]\nresidual_max = 0.1"},
     "damped mode": {"more": "[[mode]]\nfrequency_Hz = 40\ndamping_ratio = 0.05\nresidual_max = 0.1"},
-    "mode of an axis": {"more": "[[mode]]\naxis = 'x'\nfrequency_Hz = 40\ndamping_ratio = 0.05\nresidual_max_um = 20"},
+    "mode of an axis": {"axis": 'name = "x"\n[[axis]]\nname = "y"\nacceleration_max_mm_s2 = 6000\n'
+                                'jerk_max_mm_s3 = 500000',
+                        "more": "[[mode]]\naxis = 'x'\nfrequency_Hz = 40\ndamping_ratio = 0.05\nresidual_max_um = 20"},
     "friction of an axis that reverses": {"axis": "mass_kg = 34\ncoulomb_N = 40\nforce_max_N = 300",
                                           "more": "[[corner]]\nangle_deg = 50\nheading_deg = 30\n"
                                                   "feed_in_mm_min = 5000\nerror_max_um = 50"},
     "contour": {"corner": ERROR + "\ncontour_max_um = 30"},
-    "symmetric": {"design": "symmetric = true"},
+    "symmetric": {"design": "order_max = 60\nsymmetric = true"},
     "given delay": {"corner": "delay_samples = 9"},
     "three corners": {"more": "[[corner]]\nangle_deg = 60\nfeed_in_mm_min = 5000\nerror_max_um = 80\n"
                               "[[corner]]\nangle_deg = 130\nfeed_in_mm_min = 6000\nerror_max_um = 30\nweight = 3"},
@@ -48,13 +49,8 @@ class Smoothing(BothCheckers):
     def test_proofs(self):
         for name, parts in CASES.items():
             with self.subTest(name):
-                parts = {"design": "", "axis": "", "corner": ERROR, "more": "", **parts}
-                text = TASK.replace("order_max = 60\n", "" if "order_max" in parts["design"] else "order_max = 60\n")
-                axes = parts["axis"] + '\nname = "x"'
-                if "axis = 'x'" in parts["more"]:  # axes of a mode have names
-                    axes += '\n[[axis]]\nname = "y"\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000'
-                parts["axis"] = axes if "\n[[axis]]" in axes else parts["axis"]
-                result = designed(text.format(**parts))
+                parts = {"design": "order_max = 60", "axis": "", "corner": ERROR, "more": "", **parts}
+                result = designed(TASK.format(**parts))
                 self.assertEqual(result["status"], "infeasible" if name == "infeasible" else "optimal")
                 self.assertNotIn("smoothed", result["certificate"])
                 self.both(result, True)

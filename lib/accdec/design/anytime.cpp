@@ -198,9 +198,9 @@ class Anytime {
     if (task_.machine.prefilter_taps.empty()) return;
     Task part = easier_part(task_);
     part.machine.modes = task_.machine.modes;
+    const bool servo = Response(task_.machine, task_.sample_period).servo_order() > 0;
     for (Axis& axis : part.machine.axes) {
-      if (Response(task_.machine, task_.sample_period).servo_order() > 0)
-        axis.force_max = axis.force_speed_max = unlimited;
+      if (servo) axis.force_max = axis.force_speed_max = unlimited;
     }
     if (exact_covers(part)) bound_of_part(part, share);
   }

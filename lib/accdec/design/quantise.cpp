@@ -8,9 +8,9 @@
 
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/quantise.hpp>
+#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limit_unit.hpp>
-#include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -224,15 +224,8 @@ class QuantisedDesign {
 
   /// With the cheapest delays of the kinds that the control has.
   DesignResult with_kinds(const Filter& filter) const {
-    const auto delays = delays_of_kinds(filter, task_, unlimited, [this] { return late(); });
-    if (!delays) return {};
-    DesignResult found = assess(task_, filter, delays->delays, false);
-    if (!free_.settings) return found;
-    found.settings = free_.settings;
-    found.settings->filter = {
-        .kind = Shape::taps, .order = filter.order(), .taps = {filter.taps().begin(), filter.taps().end()}};
-    found.settings->delays = delays->kinds;
-    found.settings->width = delays->width;
+    DesignResult found = with_delays_of_kinds(task_, as_settings(filter), unlimited, [this] { return late(); });
+    if (!free_.settings) found.settings.reset();
     return found;
   }
 

@@ -108,22 +108,11 @@ class Cheapest {
   explicit Cheapest(const Task& task) : task_(task) {}
 
   void offer(const ChosenSettings& chosen) {
-    const Filter filter = make_filter(chosen.filter);
     const double below = best_.has_design() ? best_.objective() / task_.sample_period * (1.0 - 1e-12) : unlimited;
-    const auto delays = delays_of_kinds(filter, task_, below);
-    if (!delays) return;
-    DesignResult result = assess(task_, filter, delays->delays, false, delays->parts);
-    if (!result.has_design()) return;
-    result.settings = chosen;
-    result.settings->delays = delays->kinds;
-    result.settings->width = delays->width;
-    best_ = std::move(result);
+    DesignResult result = with_delays_of_kinds(task_, chosen, below);
+    if (result.has_design()) best_ = std::move(result);
   }
-  void offer_taps(const Filter& filter) {
-    const auto taps = filter.taps();
-    offer({.family = SettingFamily::taps,
-           .filter = {.kind = Shape::taps, .order = filter.order(), .taps = {taps.begin(), taps.end()}}});
-  }
+  void offer_taps(const Filter& filter) { offer(as_settings(filter)); }
   void offer_taps(const DesignResult& result) {
     if (result.filter) offer_taps(*result.filter);
   }
@@ -190,6 +179,24 @@ void offer_for_delays(const Task& any, const DesignOptions& options, Cheapest& c
 }
 
 }  // namespace
+
+ChosenSettings as_settings(const Filter& filter) {
+  const auto taps = filter.taps();
+  return {.family = SettingFamily::taps,
+          .filter = {.kind = Shape::taps, .order = filter.order(), .taps = {taps.begin(), taps.end()}}};
+}
+
+DesignResult with_delays_of_kinds(const Task& task, const ChosenSettings& chosen, double below,
+                                  const std::function<bool()>& stop) {
+  const Filter filter = make_filter(chosen.filter);
+  const auto delays = delays_of_kinds(filter, task, below, stop);
+  if (!delays) return {};
+  DesignResult result = assess(task, filter, delays->delays, false, delays->parts);
+  result.settings = chosen;
+  result.settings->delays = delays->kinds;
+  result.settings->width = delays->width;
+  return result;
+}
 
 DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& options) {
   Task task = asked;

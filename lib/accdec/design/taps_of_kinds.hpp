@@ -1,8 +1,17 @@
 #pragma once
 
+#include <functional>
+
 #include <accdec/design.hpp>
 
 namespace accdec {
+
+/// Any taps as what to set.
+ChosenSettings as_settings(const Filter& filter);
+/// Settings with the cheapest delays of the kinds that the task's control has. No design if there are none that cost
+/// less than `below` samples, or if `stop` ends the search.
+DesignResult with_delays_of_kinds(const Task& task, const ChosenSettings& chosen, double below,
+                                  const std::function<bool()>& stop = {});
 
 /// Free taps with delays of the kinds that a control has, for tasks whose free taps are not delayed by any number of
 /// samples, or stand beside other families. The taps that are best with any delays are tried with the control's kinds,

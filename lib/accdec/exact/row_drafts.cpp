@@ -148,16 +148,19 @@ const DraftRow* RowDrafts::again(const proof::RangeError& id, const Box& box) {
   return &range_cone(id, box);
 }
 
-const DraftRow* RowDrafts::again(const proof::Blend& id, const Box& box) {
+template <class BlendRow>
+const DraftRow* RowDrafts::again_at_blend(const BlendRow& id, const Box& box) {
   if (!known_in(id, box) || (window_ && !inside_window(id, box, model_.rows.smoothing()))) return nullptr;
   const SparseRow row = model_.rows.row(id, box);
   return row.no_terms() ? nullptr : &limit(row, 1.0, false);
 }
 
+const DraftRow* RowDrafts::again(const proof::Blend& id, const Box& box) {
+  return again_at_blend(id, box);
+}
+
 const DraftRow* RowDrafts::again(const proof::Reversal& id, const Box& box) {
-  if (!known_in(id, box)) return nullptr;
-  const SparseRow row = model_.rows.row(id, box);
-  return row.no_terms() ? nullptr : &limit(row, 1.0, false);
+  return again_at_blend(id, box);
 }
 
 const DraftRow* RowDrafts::again(const proof::Vibration& id, const Box& box) {

@@ -61,6 +61,8 @@ class RowDrafts {
   const DraftRow* again(Chord& chord, const Box& box);
 
  private:
+  template <class BlendRow>
+  const DraftRow* again_at_blend(const BlendRow& id, const Box& box);
   /// The coefficients of the command's taps in `on_command_`, as columns of the draft.
   void add_taps();
   void clear_command();

@@ -1,29 +1,27 @@
 #include <algorithm>
-#include <numeric>
-#include <utility>
 
 #include <accdec/exact/smoothing.hpp>
 
 namespace accdec::exact {
+namespace {
 
-Smoothing::Smoothing(const Machine& machine) : taps_(machine.prefilter_taps) {
-  const double sum = std::accumulate(taps_.begin(), taps_.end(), 0.0);
-  for (double& tap : taps_) tap /= sum;
-  if (taps_.empty()) taps_ = {1.0};
+/// The smoothing does not depend on the period, which only servos need.
+Response without_servos(const Machine& machine) {
+  Machine smoothing;
+  smoothing.prefilter_taps = machine.prefilter_taps;
+  return {smoothing, 1.0};
 }
+
+}  // namespace
+
+Smoothing::Smoothing(const Machine& machine) : response_(without_servos(machine)), taps_(response_.prefilter()) {}
 
 double Smoothing::largest() const {
   return *std::max_element(taps_.begin(), taps_.end());
 }
 
 const Filter& Smoothing::command(const Filter& designed, std::optional<Filter>& made) const {
-  if (none()) return designed;
-  std::vector<double> taps(static_cast<std::size_t>(designed.order() + order()) + 1, 0.0);
-  for (int i = 0; i <= designed.order(); ++i) {
-    for (int j = 0; j <= order(); ++j)
-      taps[static_cast<std::size_t>(i + j)] += designed.tap(i) * taps_[static_cast<std::size_t>(j)];
-  }
-  return made.emplace(std::move(taps));
+  return none() ? designed : made.emplace(response_.command(designed));
 }
 
 void Smoothing::add_designed(std::span<const double> command, std::span<double> designed) const {

@@ -6,6 +6,7 @@
 
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec::exact {
 
@@ -27,6 +28,7 @@ class Smoothing {
   void add_designed(std::span<const double> command, std::span<double> designed) const;
 
  private:
+  Response response_;  ///< without servos
   std::vector<double> taps_;
 };
 
