@@ -88,7 +88,8 @@ std::vector<ModeCost> costs_of(const Task& task, const std::vector<FoundMode>& m
 void run(const ModesArguments& arguments, Context& context) {
   const std::string type = arguments.figure.empty() ? "" : figure_format(arguments.figure);
   std::optional<Task> task;
-  if (!arguments.task.empty()) task = read_task(arguments.task, {.response = Considered::all});
+  if (!arguments.task.empty())
+    task = read_task(arguments.task, {.require_corners = false, .response = Considered::all});
   require_outputs({arguments.out, arguments.figure}, {arguments.log, arguments.task});
   const VibrationLog log = read_vibration_log(arguments.log);
   FindModesOptions options;
@@ -102,9 +103,13 @@ void run(const ModesArguments& arguments, Context& context) {
     throw std::invalid_argument(fmt::format("{}: {}", arguments.log, reason.what()));
   }
   std::vector<ModeCost> costs;
-  if (task && !modes.empty()) costs = costs_of(*task, modes, arguments, context);
+  const bool corners = task && !task->corners.empty();
+  if (corners && !modes.empty()) costs = costs_of(*task, modes, arguments, context);
   OutputFiles files;
-  files.add(arguments.out, modes_to_toml(modes, log, costs, arguments.residual, arguments.log));
+  std::string tables = modes_to_toml(modes, log, costs, arguments.residual, arguments.log);
+  if (task && !corners)
+    tables += fmt::format("\n# {} has no [[corner]]; add one to see what the bounds cost there\n", arguments.task);
+  files.add(arguments.out, std::move(tables));
   if (!type.empty()) {
     const double most = std::min(1.2 * arguments.frequency_max, 0.5 / log.period);
     files.add(arguments.figure,

@@ -56,6 +56,17 @@ TEST_F(ModesCommand, TablesOfAPrintersLogArePartOfATask) {
     EXPECT_THAT(costs.output, HasSubstr(fmt::format("# residual_max = {} costs ", bound)));
 }
 
+// A task for programs has no corner whose time could be compared.
+TEST_F(ModesCommand, ATaskOfProgramsIsTakenWithoutCosts) {
+  write_log("#time,accel_x,accel_y", 9000.0);
+  testing::write(home_ / "program.toml",
+                 "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 8000\n[program]\nerror_max_um = 100\n");
+  const testing::Outcome found = run("modes log.csv --task program.toml --quiet");
+  EXPECT_EQ(found.exit_code, 0) << found.output;
+  EXPECT_THAT(found.output, HasSubstr("# axis x: 41 Hz"));
+  EXPECT_THAT(found.output, HasSubstr("# program.toml has no [[corner]]"));
+}
+
 // Positions of an encoder, in um and ms.
 TEST_F(ModesCommand, PositionsAreDifferencedTwice) {
   std::ofstream file(home_ / "log.csv");

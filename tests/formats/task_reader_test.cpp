@@ -4,6 +4,7 @@
 #include <fstream>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -226,6 +227,19 @@ void expect_same(const Task& a, const Task& b) {
     EXPECT_EQ(a.machine.axes[i].jerk_max, b.machine.axes[i].jerk_max);
     EXPECT_EQ(a.machine.axes[i].force_max, b.machine.axes[i].force_max);
   }
+}
+
+/// An axis that no corner moves needs no force, whatever its friction.
+TEST(TaskReader, FrictionOfAnAxisThatStandsMayBeAboveItsForce) {
+  const auto text = [](double along_y) {
+    return fmt::format(
+        "sample_period_ms = 1\n[[axis]]\nname = \"x\"\nmass_kg = 5\nforce_max_N = 50\n[[axis]]\nname = \"y\"\n"
+        "mass_kg = 5\nforce_max_N = 50\ncoulomb_N = 60\n[[corner]]\ndirection_in = [1, 0]\n"
+        "direction_out = [-1, {}]\nfeed_in_mm_min = 6000\n",
+        along_y);
+  };
+  EXPECT_NO_THROW(parse_task(text(0.0), "t"));
+  EXPECT_THROW(parse_task(text(0.1), "t"), InputError);
 }
 
 TEST(TaskReader, EveryShippedTaskIsReadAndSurvivesTheRoundTrip) {

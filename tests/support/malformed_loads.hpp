@@ -25,7 +25,10 @@ inline std::vector<Case> load_cases() {
        "9:13",
        {"not below `force_speed_N` = 50", "could never move"}},
       {"friction_above_torque",
-       axis("name = \"a\"\ninertia_kg_m2 = 1\ntorque_max_N_m = 5\ncoulomb_N_m = 6"),
+       Parts{
+           .axis = "[[axis]]\nname = \"a\"\ninertia_kg_m2 = 1\ntorque_max_N_m = 5\ncoulomb_N_m = 6\n",
+           .corner = "[[corner]]\ndirection_in = [1]\ndirection_out = [-1]\nfeed_in_mm_min = 6000\ndelay_samples = 3\n"}
+           .str(),
        "10:15",
        {"`coulomb_N_m` = 6 is not below `torque_max_N_m` = 5"}},
       {"friction_of_the_machine", with_end("[machine]\ncoulomb_N = 40\n"), "20:1", {"belongs in [[axis]]"}},

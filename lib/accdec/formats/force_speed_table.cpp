@@ -17,6 +17,19 @@ double fall(const std::vector<SpeedForce>& curve, std::size_t i) {
 /// Straight points given in decimals may be off by rounding.
 constexpr double rounding = 1.0 - 1e-9;
 
+void check_drive(const Table& table, const Axis& axis) {
+  if (!(axis.coulomb > 0.0)) return;
+  const std::string_view key = table.has("coulomb_N_m") ? "coulomb_N_m" : "coulomb_N";
+  const auto refuse = [&](std::string_view limit, double least) {
+    const double unit = key == "coulomb_N_m" ? radians_per_metre : 1.0;
+    table.fail_at(key, fmt::format("`{}` = {:g} is not below `{}` = {:g}: the axis could never move", key,
+                                   axis.coulomb / unit, limit, least / unit));
+  };
+  if (axis.coulomb >= axis.force_max)
+    refuse(table.has("force_max_N") ? "force_max_N" : "torque_max_N_m", axis.force_max);
+  if (axis.coulomb >= axis.force_speed_max) refuse(force_speed_key, axis.force_speed_max);
+}
+
 }  // namespace
 
 Key force_speed_of_files() {
@@ -55,17 +68,14 @@ void read_force_speed(const Table& table, Axis& axis) {
   axis.force_speed_max = curve.front().force;
 }
 
-void check_friction(const Table& table, const Axis& axis) {
-  if (!(axis.coulomb > 0.0)) return;
-  const std::string_view key = table.has("coulomb_N_m") ? "coulomb_N_m" : "coulomb_N";
-  const auto refuse = [&](std::string_view limit, double least) {
-    const double unit = key == "coulomb_N_m" ? radians_per_metre : 1.0;
-    table.fail_at(key, fmt::format("`{}` = {:g} is not below `{}` = {:g}: the axis could never move", key,
-                                   axis.coulomb / unit, limit, least / unit));
-  };
-  if (axis.coulomb >= axis.force_max)
-    refuse(table.has("force_max_N") ? "force_max_N" : "torque_max_N_m", axis.force_max);
-  if (axis.coulomb >= axis.force_speed_max) refuse(force_speed_key, axis.force_speed_max);
+void check_friction(const std::vector<Table>& axes, const Task& task) {
+  for (std::size_t a = 0; a < task.machine.axes.size() && !axes.empty(); ++a) {
+    const bool moves = task.corners.empty() || std::ranges::any_of(task.corners, [a](const TaskCorner& corner) {
+                         const auto i = static_cast<Eigen::Index>(a);
+                         return corner.geometry().direction_in[i] != 0.0 || corner.geometry().direction_out[i] != 0.0;
+                       });
+    if (moves) check_drive(axes[std::min(a, axes.size() - 1)], task.machine.axes[a]);
+  }
 }
 
 void check_rating(const Table& table, const Axis& axis) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include <accdec/files/toml_table.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/task.hpp>
 
 // Internal: the keys of a drive in [[axis]], force_speed_N and force_rms_N.
 
@@ -13,7 +16,9 @@ Key force_speed_of_files();
 void read_force_speed(const toml_input::Table& table, Axis& axis);
 /// @throws InputError at force_rms_N of an axis without any load
 void check_rating(const toml_input::Table& table, const Axis& axis);
+/// An axis that no corner moves may have any dry friction. A task without corners may move every axis.
+/// @param axes  the tables; one alone stands for all axes of the task
 /// @throws InputError at the dry friction of an axis whose drive could never move it
-void check_friction(const toml_input::Table& table, const Axis& axis);
+void check_friction(const std::vector<toml_input::Table>& axes, const Task& task);
 
 }  // namespace accdec

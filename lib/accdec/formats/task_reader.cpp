@@ -65,7 +65,6 @@ Axis read_axis(const Table& table, std::vector<std::string>& notes) {
   read_rotary(table, axis, notes);
   read_force_speed(table, axis);
   check_rating(table, axis);
-  check_friction(table, axis);
   read_servo(table, axis);
   return axis;
 }
@@ -246,6 +245,7 @@ class TaskReader {
       top_.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
     place_corners();
     find_axes_of_modes();
+    faults_.attempt("/axis", [&] { check_friction(top_.tables("axis"), task_); });
     faults_.raise();
     require_loads();
     check_response(top_, task_, options_.response);
