@@ -102,8 +102,9 @@ def _pair(task, corner, order, delay, tolerance, symmetric):
     period = task["sample_period_ms"] / 1e3
     cones = [(model.residual_rows(m, period, order, 8001), m["residual_max"]) for m in task.get("mode", [])]
     best = None
-    # Before k = d leg 2 has not begun, after k = N leg 1 is over: both only lead away.
-    for k in sorted(range(min(delay, order), max(delay, order) + 1), key=lambda k: abs(2 * k - order - delay)):
+    # Before k = d leg 2 has not begun, after the last sample of leg 1 it is over: both only lead away.
+    last = order + model.settling(task)
+    for k in sorted(range(min(delay, last), max(delay, last) + 1), key=lambda k: abs(2 * k - order - delay)):
         error = smallest_error(rows, cones, [p[k] for p in motion.position], tolerance, symmetric)
         if error is None:
             return None  # the limits alone exclude this pair, whatever k
@@ -120,7 +121,7 @@ def exists(task, total, order_min=1, order_max=400):
     symmetric = task.get("design", {}).get("symmetric", False)
     undecided = False
     # With d = N the legs do not overlap, but the jerk still spans both; from d = N + 2 more delay changes nothing.
-    for order in range(max(order_min, (total - 1) // 2), min(order_max, total) + 1):
+    for order in range(max(order_min, (total - 1 - model.settling(task)) // 2), min(order_max, total) + 1):
         try:
             error = _pair(task, corner, order, total - order, tolerance, symmetric)
         except Unsolved:

@@ -23,20 +23,40 @@ def machine_axes(task, count):
     return task["axis"] * count if len(task["axis"]) == 1 else task["axis"]
 
 
+def settling(task):
+    """Samples after which all but 1e-13 of a servo's following error is gone; 0 without one."""
+    gain = task["axis"][0].get("servo_gain_1_s")
+    return math.ceil(30.0 / (gain * task["sample_period_ms"] / 1e3)) if gain else 0
+
+
+def followed(velocity, axis, period):
+    """What a position control makes of a velocity that is constant within each sample. Its following error e changes by
+    e' = (1 - g) v - Kv e."""
+    gain, moved, error = axis["servo_gain_1_s"], np.zeros_like(velocity), np.zeros(velocity.shape[1])
+    left = math.exp(-gain * period)
+    for n, v in enumerate(velocity):
+        after = left * error + (1.0 - left) * (1.0 - axis.get("velocity_feedforward", 0.0)) * v / gain
+        moved[n] = v - (after - error) / period
+        error = after
+    return moved
+
+
 def unit_motions(task, corner, order, delay):
     """Velocity, acceleration, jerk (samples x taps) per axis over rest, leg 1, gap, leg 2, rest; position over the
-    blend alone."""
+    blend alone. `moved` and `pulled` are velocity and acceleration behind the servo, if any, as the position is."""
     period = task["sample_period_ms"] / 1e3
     u1, u2 = directions(corner)
     v1 = corner["feed_in_mm_min"] / 6e4
     v2 = corner.get("feed_out_mm_min", corner["feed_in_mm_min"]) / 6e4
-    leg, rest = order + 3, order + 4
+    longest = order + settling(task)
+    leg, rest = longest + 3, longest + 4
     end_of_leg = rest + leg
     total = end_of_leg + delay + leg + rest
     motion = SimpleNamespace(
-        velocity=[], acceleration=[], jerk=[], position=[], blend=slice(end_of_leg - 1, end_of_leg + order + delay + 2)
+        velocity=[], acceleration=[], jerk=[], position=[], moved=[], pulled=[],
+        blend=slice(end_of_leg - 1, end_of_leg + longest + delay + 2)
     )
-    for x1, x2 in zip(u1, u2):
+    for x1, x2, axis in zip(u1, u2, machine_axes(task, len(u1))):
         command = np.zeros(total)
         command[rest:end_of_leg] = v1 * x1
         command[end_of_leg + delay : end_of_leg + delay + leg] = v2 * x2
@@ -47,7 +67,10 @@ def unit_motions(task, corner, order, delay):
         motion.velocity.append(velocity)
         motion.acceleration.append(acceleration)
         motion.jerk.append(np.diff(acceleration, axis=0, prepend=0.0) / period)
-        way = np.cumsum(velocity, axis=0) * period - leg * period * v1 * x1
+        moved = followed(velocity, axis, period) if settling(task) else velocity
+        motion.moved.append(moved)
+        motion.pulled.append(np.diff(moved, axis=0, prepend=0.0) / period)
+        way = np.cumsum(moved, axis=0) * period - leg * period * v1 * x1
         motion.position.append(way[motion.blend])
     return motion
 
@@ -67,10 +90,11 @@ def linear_rows(task, corner, motion):
             if key in axis:
                 rows.append(getattr(motion, quantity)[i] / (axis[key] * unit))
         if "force_max_N" in axis:
-            force = (
-                axis.get("mass_kg", 0.0) * motion.acceleration[i] + axis.get("damping_N_s_m", 0.0) * motion.velocity[i]
-            )
-            rows.append(force / axis["force_max_N"])
+            force = axis.get("mass_kg", 0.0) * motion.pulled[i] + axis.get("damping_N_s_m", 0.0) * motion.moved[i]
+            # Dry friction of an axis that keeps its direction; where it stands, friction helps to stop it. Taps have
+            # the sum 1.
+            along = sum(x[i] for x in directions(corner))
+            rows.append((force + math.copysign(axis.get("coulomb_N", 0.0), along)) / axis["force_max_N"])
     return np.unique(np.vstack(rows).round(14), axis=0) if rows else np.zeros((0, motion.velocity[0].shape[1]))
 
 
@@ -128,23 +152,29 @@ def value_at(task, taps, delays, limit):
         return None
     motion = unit_motions(task, corner, len(taps) - 1, delays[j])
     # Last samples at rest, of leg 1 and of leg 2, each commanded at full speed for as long.
-    leg, corner_row = len(taps) + 2, motion.blend.start
+    leg, corner_row = len(taps) + 2 + settling(task), motion.blend.start
     zero = {"start": corner_row - leg, "blend": corner_row, "stop": corner_row + delays[j] + leg}.get(limit["event"])
     if zero is None or not 0 <= zero + limit["sample"] < len(motion.velocity[0]):
         return None
     axes = machine_axes(task, len(motion.velocity))
     i = next((i for i, axis in enumerate(axes) if axis.get("name", "xyzabcuvw"[i]) == limit["axis"]), 0)
-    v, a, jerk = (
-        quantity[i][zero + limit["sample"]] @ taps for quantity in (motion.velocity, motion.acceleration, motion.jerk)
+    v, a, jerk, moved, pulled = (
+        quantity[i][zero + limit["sample"]] @ taps
+        for quantity in (motion.velocity, motion.acceleration, motion.jerk, motion.moved, motion.pulled)
     )
-    force = axes[i].get("mass_kg", 0.0) * a + axes[i].get("damping_N_s_m", 0.0) * v
+    force = axes[i].get("mass_kg", 0.0) * pulled + axes[i].get("damping_N_s_m", 0.0) * moved
+    coulomb, feed = axes[i].get("coulomb_N", 0.0), max(corner[k] for k in corner if k.startswith("feed_")) / 6e4
+    if abs(moved) > 1e-9 * feed:
+        force += math.copysign(coulomb, moved)
+    else:
+        force = math.copysign(max(0.0, abs(force) - coulomb), force)
     return {
         "velocity": abs(v),
         "acceleration": abs(a),
         "jerk": abs(jerk),
         "force": abs(force),
-        "power": force * v,
-        "regeneration": -force * v,
+        "power": force * moved,
+        "regeneration": -force * moved,
     }.get(limit["kind"])
 
 

@@ -6,6 +6,8 @@ long.
 import json
 import math
 
+import model
+
 KINDS = (
     "plain",
     "axes",
@@ -20,9 +22,10 @@ KINDS = (
     "several",
     "ties",
     "velocity",
+    "servo",
 )
 # Kinds whose feasible filters are a convex set for each (order, delay, sample): those the judge can decide.
-JUDGED = ("plain", "axes", "force", "vibration", "ties", "velocity")
+JUDGED = ("plain", "axes", "force", "vibration", "ties", "velocity", "servo")
 
 
 def _axis(rng, name, feed, period, samples, kinds):
@@ -87,6 +90,18 @@ def _given_filter(rng, samples):
     return spec
 
 
+def _servo(rng, task):
+    """A position control for all axes, with forces: dry friction only where no axis reverses."""
+    period = task["sample_period_ms"] / 1e3
+    servo = {"servo_gain_1_s": min(rng.uniform(0.7, 2.5) / period, 1e4),
+             "velocity_feedforward": rng.choice([0.0, 0.5, 0.95])}
+    for axis, into, out in zip(task["axis"], *model.directions(task["corner"][0])):
+        axis.update(servo)
+        if into * out > -1e-12 and rng.random() < 0.5:
+            axis["coulomb_N"] = axis["force_max_N"] * rng.uniform(0.02, 0.5)
+            axis["force_max_N"] += axis["coulomb_N"]
+
+
 def draw(rng, kind, longest=16):
     """A random task of a kind. `longest`: most samples an acceleration takes; the order ends near one to two times
     that."""
@@ -100,6 +115,8 @@ def draw(rng, kind, longest=16):
         limits = rng.choice([{"acceleration", "jerk"}, {"acceleration"}, {"acceleration", "jerk", "force"}, {"force"}])
     if kind in ("power", "regeneration"):
         limits = {"force", kind} | rng.choice([set(), {"acceleration", "jerk"}])
+    if kind == "servo":
+        limits, samples = {"force"} | rng.choice([set(), {"acceleration", "jerk"}]), min(samples, 6.0)
     if kind == "velocity":
         limits = limits | {"velocity"}
     corners = rng.randrange(2, 4) if kind == "several" else 1
@@ -135,6 +152,8 @@ def draw(rng, kind, longest=16):
                 "residual_max": rng.choice([0.02, 0.05, 0.1, 0.3]),
             }
         ]
+    if kind == "servo":
+        _servo(rng, task)
     if kind == "given":
         task["filter"] = _given_filter(rng, samples)
     return task

@@ -25,6 +25,18 @@ Task everyday() {
   return plane_task(axis, plane_corner("A", 95.0, 0.0, 0.1, 0.1), 50e-6);
 }
 
+Task with_force(Task task, double force) {
+  for (Axis& axis : task.machine.axes) axis.mass = 30.0, axis.damping = 100.0, axis.force_max = force;
+  return task;
+}
+
+/// Without limits of the command: forces alone.
+Task of_forces(double force) {
+  Task task = with_force(everyday(), force);
+  for (Axis& axis : task.machine.axes) axis.acceleration_max = axis.jerk_max = unlimited;
+  return task;
+}
+
 Task with_gain(Task task, double gain) {
   for (Axis& axis : task.machine.axes) axis.servo_gain = gain;
   return task;
@@ -65,7 +77,7 @@ TEST(DesignBehindAServo, AProofOfAnotherGainIsNone) {
   EXPECT_THAT(check_certificate(behind.task, behind).reason, HasSubstr("respond differently"));
 }
 
-/// A response that only delays changes no error, and so no optimum.
+/// A response that only delays changes no error and no force, and so no optimum.
 TEST(DesignBehindAServo, ADelayAloneChangesNothing) {
   Task one = everyday(), several = everyday();
   several.corners.push_back(plane_corner("B", 60.0, 30.0, 0.12, 0.08));
@@ -73,7 +85,9 @@ TEST(DesignBehindAServo, ADelayAloneChangesNothing) {
   several.corners.back().weight = 2.0;
   several.corners.push_back(plane_corner("C", 130.0, 200.0, 0.1, 0.1));
   several.corners.back().error_max = 20e-6;
-  for (const Task& task : {one, several}) {
+  Task corners_of_forces = with_force(several, 190.0);
+  for (Axis& axis : corners_of_forces.machine.axes) axis.acceleration_max = axis.jerk_max = unlimited;
+  for (const Task& task : {one, several, of_forces(150.0), corners_of_forces}) {
     const double ideal = proved(task).objective();
     for (const std::vector<double>& taps : {std::vector{0.0, 0.0, 1.0}, std::vector<double>{0, 0, 0, 0, 0, 0, 0, 0, 1}})
       EXPECT_NEAR(proved(with_taps(task, taps)).objective(), ideal, 1e-9);
@@ -93,10 +107,28 @@ TEST(DesignBehindAServo, SeveralCornersAreProved) {
   }
 }
 
-/// Loads behind a servo and the control's smoothing: verified designs, with a bound where there is one.
+/// Forces of the motion are linear in the taps. A slower servo smooths them, and needs more time for the error.
+TEST(DesignBehindAServo, ForcesAreProved) {
+  double before = 0.0;
+  for (const double gain : {1000.0, 200.0}) {
+    const DesignResult result = proved(with_gain(of_forces(150.0), gain));
+    EXPECT_GT(result.objective(), before);
+    before = result.objective();
+    DesignResult forged = result;
+    for (Axis& axis : forged.task.machine.axes) axis.force_max = 300.0;
+    EXPECT_FALSE(check_certificate(forged.task, forged).accepted);
+  }
+  Task friction = with_gain(of_forces(190.0), 200.0);
+  for (Axis& axis : friction.machine.axes) axis.coulomb = 40.0;
+  friction.corners[0] = plane_corner("A", 60.0, 20.0, 0.1, 0.1);  // x reverses
+  friction.corners[0].error_max = 50e-6;
+  proved(friction);
+}
+
+/// Powers and the control's smoothing: verified designs, with a bound where there is one.
 TEST(DesignBehindAServo, LoadsAndSmoothingGiveVerifiedDesigns) {
-  Task loads = with_gain(everyday(), 200.0), smoothed = everyday();
-  for (Axis& axis : loads.machine.axes) axis.mass = 30.0, axis.damping = 100.0, axis.force_max = 150.0;
+  Task loads = with_gain(with_force(everyday(), 150.0), 200.0), smoothed = everyday();
+  for (Axis& axis : loads.machine.axes) axis.power_max = 12.0;
   smoothed.machine.prefilter_taps = {0.25, 0.5, 0.25};
   for (const Task& task : {loads, smoothed}) {
     DesignOptions options;

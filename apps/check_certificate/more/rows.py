@@ -8,9 +8,7 @@ from problem import STILL
 from rows import BEHIND_A_SERVO, IN_WINDOWS, KINDS, Limits, Row, turns
 from tube import tube
 
-SERVO_FREE = {"force start", "force stop", "blend force", "force_speed start", "force_speed stop",
-              "blend force_speed", "reversal"}  # known behind a smoothing, but not behind a servo
-ANY_SAMPLE = 0, 2**31 - 1
+ANY_SAMPLE, NOTHING = (0, 2**31 - 1), exact([0])
 
 
 @widens(Limits, "__init__")
@@ -30,30 +28,44 @@ def tube_behind_smoothing(narrow, self, box):
     return narrow(self, box)
 
 
-@widens(Limits, "known")
-def known(narrow, self, entry):
-    if self.longer and len(self.problem.servo.lo) == 1 and entry[0] in SERVO_FREE:
-        refuse_if(len(entry) != len(KINDS[entry[0]][1]) + 2, f"a row `{entry[0]}` has {len(entry)} entries")
-        return
-    narrow(self, entry)
+@widens(Row, "__init__")
+def row_of_command(narrow, self, limits, box):
+    narrow(self, limits, box)
+    self.behind = limits.problem.smoothing  # the taps behind the designed ones: of the command, or of the motion
+
+
+def add_behind(row, c, values, k):
+    """c times the value of number k - i for each designed tap i; beyond them the first or the last one counts. An end
+    of a window stands for taps at any distance, so any value from there on may be its own."""
+    at = [min(max(k - i, 0), len(values.lo) - 1) for i in row.indices]
+    weights = [values[n] for n in at]
+    if row.box.window:
+        weights[0], weights[-1] = (Enclosure(min(x.lo), max(x.hi)) for x in (values[at[0]:], values[:at[-1] + 1]))
+    row.taps = [tap + part for tap, part in zip(row.taps, (exact(weights) * c).lo)]
 
 
 @widens(Row, "tap")
-def command_tap(narrow, self, i, c):
-    """Of the command behind the smoothing: sum_j g_j b_{i-j}"""
-    for j, tap in enumerate(self.problem.smoothing):
-        narrow(self, i - j, c * tap if j or tap.lo != ONE else c)
+def tap_behind(narrow, self, n, c):
+    """c sum_j g_j b_{n-j}"""
+    if len(self.behind.lo) == 1:
+        return narrow(self, n, c)
+    add_behind(self, c, NOTHING.then(self.behind).then(NOTHING), n + 1)
 
 
 @widens(Row, "move")
-def command_speed(narrow, self, k, into, out, d):
-    for j, tap in enumerate(self.problem.smoothing):
-        narrow(self, k - j, into * tap, out * tap, d)
+def speed_behind(narrow, self, k, into, out, d):
+    if len(self.behind.lo) == 1:
+        return narrow(self, k, into, out, d)
+    self.limit(-into)
+    add_behind(self, -into, self.behind.sums(), k)
+    add_behind(self, out, self.behind.sums(), k - d)
 
 
 @widens(Row, "inside")
-def inside_behind_smoothing(narrow, self, *taps):
-    narrow(self, *taps, *(i - len(self.problem.smoothing.lo) + 1 for i in taps))
+def inside_behind(narrow, self, *taps):
+    """Behind a servo the ends have weights of their own."""
+    if len(self.behind.lo) == len(self.problem.smoothing.lo):
+        narrow(self, *taps, *(i - len(self.behind.lo) + 1 for i in taps))
 
 
 @widens(Row, "vibration")
@@ -91,14 +103,19 @@ def budget(row):
     row.limit(row.box.budget)
 
 
+def force(row, event, *at, axis=None):
+    """Of the motion behind the response."""
+    row.behind = row.problem.response
+    row.load("force", event, *at, axis=axis)
+
+
 def force_speed(row, event, *at):
     """|F| + slope |V| <= bound: a force with more or less damping."""
     *at, line, direction = at if event == "blend" else (*at, 1)
     a, _, sign, *_ = row.legs(event, at)
     axis = row.problem.axes[a]
     slope, bound = axis.lines[line]
-    row.load("force", event, *at, axis=axis._replace(damping=axis.damping + sign * direction * slope,
-                                                     limits={"force": bound}))
+    force(row, event, *at, axis=axis._replace(damping=axis.damping + sign * direction * slope, limits={"force": bound}))
 
 
 def speed(row, j, k, low, high):
@@ -152,6 +169,7 @@ def reversal(row, j, a, k, sign):
     first, last = reversal_range(row, j, a)
     refuse_if(k < last if sign > 0 else k >= first, "a multiplier names a sample at which an axis may reverse")
     c = exact((1 if out.lo < 0 else -1) * sign / row.problem.corners[j].fastest)
+    row.behind = row.problem.response
     row.move(k, into * c, out * c, d)
     row.limit(0 if sign > 0 else 2 * STILL)
 
@@ -214,9 +232,11 @@ def vibration(row, m, *at):
 KINDS |= {
     "acceleration": (acceleration, "ks"), "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"),
     "contour": (contour, "jb"), "reversal": (reversal, "jaks"), "speed": (speed, "jkxx"),
+    "force start": (force, "ak", "start"), "force stop": (force, "ak", "stop"), "blend force": (force, "jaks", "blend"),
     "blend force_speed": (force_speed, "jaksks", "blend"),
     "force_speed start": (force_speed, "akk", "start"), "force_speed stop": (force_speed, "akk", "stop"),
     "vibration": (vibration, "mxx"), "damped vibration": (vibration, "mxxx"), "blend vibration": (vibration, "mjxxx"),
 }
-BEHIND_A_SERVO |= {"acceleration", "contour", "budget", "blend vibration"}
+BEHIND_A_SERVO |= {"acceleration", "contour", "budget", "blend vibration", "force start", "force stop", "blend force",
+                   "force_speed start", "force_speed stop", "blend force_speed", "reversal"}
 IN_WINDOWS |= {"acceleration", "force_speed start", "force_speed stop", "blend force_speed"}

@@ -27,7 +27,7 @@ void CheckedLeaves::refute(int index, CheckedBox box, bool symmetric) {
   if (index < 0 || index >= static_cast<int>(multipliers_.size()))
     throw Rejected("the tree names multipliers that are not there");
   ++checked_;
-  CheckedSum sum(box.order, rows_.smoothing());
+  CheckedSum sum(box.order, box.window);
   sum.delays.resize(box.corners.size());
   sum.samples.resize(box.corners.size());
   for (const proof::Term& term : multipliers_[static_cast<std::size_t>(index)]) {

@@ -74,12 +74,14 @@ CheckedResponse::CheckedResponse(const Task& task) : left_(1), gone_(1) {
   if (ideal()) return;
   const Taps first = smooths_ ? of_numbers(machine.prefilter_taps) : Taps{Interval(1.0)},
              second = follows_ ? of_axis(machine.axes.front(), task.sample_period) : Taps{Interval(1.0)};
+  follows_ = second.size() > 1;
   smoothing_ = middles(first), servo_ = middles(second);
   command_ = first;
   Taps taps(first.size() + second.size() - 1);
   for (std::size_t i = 0; i < first.size(); ++i) {
     for (std::size_t j = 0; j < second.size(); ++j) taps[i + j] = taps[i + j] + first[i] * second[j];
   }
+  motion_ = taps;
   const std::size_t end = taps.size() - 1;
   left_.assign(end + 1, Interval(0.0));
   gone_.assign(end + 1, Interval(0.0));
@@ -97,10 +99,6 @@ CheckedResponse::CheckedResponse(const Task& task) : left_(1), gone_(1) {
 
 void CheckedResponse::require_ideal() const {
   if (!ideal()) throw Rejected("a multiplier names a limit that is not known behind a response");
-}
-
-void CheckedResponse::require_no_servo() const {
-  if (follows_) throw Rejected("a multiplier names a limit that is not known behind a servo");
 }
 
 Interval CheckedResponse::left(int x) const {

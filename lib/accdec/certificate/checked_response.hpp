@@ -15,11 +15,12 @@ class CheckedResponse {
   explicit CheckedResponse(const Task& task);
   bool smooths() const { return smooths_; }  ///< the control does, before the servo
   bool ideal() const { return !smooths_ && !follows_; }
-  /// @throws Rejected if there is a response, or a servo: for rows that are known only without it
+  /// @throws Rejected if there is a response: for rows that are known only without it
   void require_ideal() const;
-  void require_no_servo() const;
   /// Taps of the smoothing; {1} without. Each tap of the command behind it is sum_j g_j b_{i-j}.
   const std::vector<Interval>& command() const { return command_; }
+  /// The same of the motion behind the servo.
+  const std::vector<Interval>& motion() const { return motion_; }
   /// Middles of the taps of the smoothing and of the servo; {1} without.
   const std::vector<double>& smoothing() const { return smoothing_; }
   const std::vector<double>& servo() const { return servo_; }
@@ -34,7 +35,7 @@ class CheckedResponse {
  private:
   bool smooths_ = false, follows_ = false;
   std::vector<double> smoothing_{1.0}, servo_{1.0};
-  std::vector<Interval> command_{Interval(1.0)};
+  std::vector<Interval> command_{Interval(1.0)}, motion_{Interval(1.0)};
   std::vector<Interval> left_, gone_;  // of x = 0, -1 .. and y = 0, 1 ..
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -87,14 +88,20 @@ void CheckedRows::require_inside(const proof::Row& row, const CheckedBox& box) c
   const auto* vibration = std::get_if<proof::Vibration>(&row);
   bool all = std::holds_alternative<proof::Error>(row) ||
              (vibration != nullptr && vibration->damping == 0.0 && vibration->corner < 0 && !response_.smooths());
-  if (const auto* difference = std::get_if<proof::TapDifference>(&row))
-    all = inside(difference->sample) && inside(difference->sample - checked_differences(difference->limit).value_or(0));
-  if (const auto* force = std::get_if<proof::EventForce>(&row)) all = inside(force->sample - 1);
+  if (const auto* difference = std::get_if<proof::TapDifference>(&row)) {
+    const int newest = difference->sample, oldest = newest - checked_differences(difference->limit).value_or(0);
+    all = inside(newest) && inside(oldest);
+  }
+  // Rows of forces behind a servo have weights for the taps beyond.
+  const bool servo = response_.motion().size() > response_.command().size();
+  if (const auto* force = std::get_if<proof::EventForce>(&row)) all = servo || inside(force->sample - 1);
   if (const auto* blend = std::get_if<proof::Blend>(&row)) {
     corner(blend->corner);
-    const int d = single_delay(blend->corner, box), tap = blend->sample - 1;
-    const int oldest = tap - checked_differences(blend->limit).value_or(0);
-    all = inside(tap) && inside(tap - d) && inside(oldest) && inside(oldest - d);
+    const int d = single_delay(blend->corner, box), newest = blend->sample - 1;
+    const std::optional<int> differences = checked_differences(blend->limit);
+    const int oldest = newest - differences.value_or(0);
+    all = !differences && servo;
+    if (!all) all = std::ranges::all_of(std::array{newest, newest - d, oldest, oldest - d}, inside);
   }
   if (!all) throw Rejected("a multiplier names a limit beyond its window");
 }
@@ -106,22 +113,22 @@ void CheckedRows::add_row(const proof::TapDifference& row, const Interval& weigh
   require_limit(max);
   if (row.sample < 0 || row.sample > sum.order() + static_cast<int>(response_.command().size()) - 1 + *n) return;
   const Interval c = weight * (row.sign < 0 ? -1.0 : 1.0) / Interval(max);
-  add_difference(*n, row.sample, c, Interval(1.0), [&](int i, const Interval& f) { sum.command_tap(i, f); });
+  add_difference(*n, row.sample, c, Interval(1.0),
+                 [&](int i, const Interval& f) { sum.tap_behind(response_.command(), i, f); });
   sum.rhs = sum.rhs + weight;
 }
 
 void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, CheckedBox&, CheckedSum& sum) const {
-  response_.require_no_servo();
   const int k = row.sample;
-  if (k < 1 || k > static_cast<int>(sum.taps.size() + response_.command().size()) - 1) return;
+  if (k < 1 || k > static_cast<int>(sum.taps.size() + response_.motion().size()) - 1) return;
   const Axis& x = axis(row.axis);
   const CheckedForce force = row.line < 0 ? largest_force(x) : checked_line(x, row.line);
   const double speed = bounds_.event_speed(static_cast<std::size_t>(row.axis), row.stop);
   // At a start drag and the line's fall both add to the force; at a stop drag brakes.
   const Interval drag = row.stop ? Interval(x.damping) - force.slope : Interval(x.damping) + force.slope;
   const Interval scale = weight * speed / force.bound;
-  sum.command_tap(k - 1, scale * Interval(x.mass) / period());
-  sum.command_response(k, scale * drag);
+  sum.tap_behind(response_.motion(), k - 1, scale * Interval(x.mass) / period());
+  sum.response_behind(response_.motion(), k, scale * drag);
   sum.rhs = sum.rhs + weight;
   if (row.stop) sum.rhs = sum.rhs + scale * drag;
   sum.rhs = sum.rhs + weight * checked_friction(x, row.stop) / force.bound;
@@ -210,7 +217,7 @@ void CheckedRows::add_row(const proof::Vibration& row, const Interval& weight, C
     // The taps that an end of the window stands for may have any phase.
     const bool end = box.window && (i == 0 || i + 1 == commands);
     const Interval phase = end ? Interval(-1.0) : interval_cos(w * static_cast<double>(i) - Interval(row.angle));
-    sum.command_tap(static_cast<int>(i), fallen * phase);
+    sum.tap_behind(response_.command(), static_cast<int>(i), fallen * phase);
     if (damped) fallen = fallen * fall;
   }
   sum.rhs = sum.rhs + weight * bound_of_mode(row, mode, box);
@@ -249,7 +256,6 @@ Interval CheckedRows::bound_of_mode(const proof::Vibration& row, const Mode& mod
 void CheckedRows::add_row(const proof::Reversal& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   const TaskCorner& c = corner(row.corner);
   axis(row.axis);
-  response_.require_no_servo();
   const int d = single_delay(row.corner, box);
   const auto a = static_cast<std::size_t>(row.axis);
   const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
@@ -262,8 +268,8 @@ void CheckedRows::add_row(const proof::Reversal& row, const Interval& weight, Ch
       weight * (after == (out.lo > 0.0) ? -1.0 : 1.0) / Interval(std::max(c.geometry().feed_in, c.geometry().feed_out));
   sum.rhs = sum.rhs - scale * in;
   if (!after) sum.rhs = sum.rhs + weight * (2.0 * still_part);
-  sum.command_response(row.sample, -1.0 * scale * in);
-  sum.command_response(row.sample - d, scale * out);
+  sum.response_behind(response_.motion(), row.sample, -1.0 * scale * in);
+  sum.response_behind(response_.motion(), row.sample - d, scale * out);
 }
 
 void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
@@ -271,16 +277,17 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
   const TaskCorner& c = corner(row.corner);
   const Axis& x = axis(row.axis);
   if (k < 1 || k > 100'000'000) throw Rejected("a multiplier names a sample that is not there");
-  if (row.limit == LimitKind::force || row.limit == LimitKind::force_speed) response_.require_no_servo();
+  const std::optional<int> times = checked_differences(row.limit);
+  const std::vector<Interval>& behind = times ? response_.command() : response_.motion();
   const int d = single_delay(row.corner, box);
   const auto a = static_cast<std::size_t>(row.axis);
   const Interval in = checked_speed(c, a, true), out = checked_speed(c, a, false);
   const Interval y = weight * (row.sign < 0 ? -1.0 : 1.0);
   const auto acceleration = [&](int at, const Interval& f) {
-    sum.command_tap(at - 1, -1.0 * f * in / period());
-    sum.command_tap(at - 1 - d, f * out / period());
+    sum.tap_behind(behind, at - 1, -1.0 * f * in / period());
+    sum.tap_behind(behind, at - 1 - d, f * out / period());
   };
-  if (const std::optional<int> times = checked_differences(row.limit)) {
+  if (times) {
     const double bound = x.*axis_limit(row.limit).bound;
     require_limit(bound);
     add_difference(*times, k, y / Interval(bound), Interval(1.0) / period(), acceleration);
@@ -296,8 +303,8 @@ void CheckedRows::add_row(const proof::Blend& row, const Interval& weight, Check
     const double forward = (reverses ? out : in + out).lo > 0.0 ? 1.0 : -1.0;
     const double help = reverses && !reversed ? 1.0 : -forward * (row.sign < 0 ? -1.0 : 1.0);
     sum.rhs = sum.rhs + weight * Interval(help * x.coulomb) / force.bound;
-    sum.command_response(k, -1.0 * drag * in);
-    sum.command_response(k - d, drag * out);
+    sum.response_behind(behind, k, -1.0 * drag * in);
+    sum.response_behind(behind, k - d, drag * out);
   } else {
     throw Rejected("a multiplier names a limit that blends have no rows of");
   }

@@ -54,11 +54,8 @@ struct CheckedSum {
   std::vector<Interval> delays, samples;   // f_j, g_j; empty: zero
   Interval rhs;
   long terms = 0;  ///< added so far to `taps` and `cumulative`
-  /// @param smoothing  taps of the control's own; the reference is kept
-  CheckedSum(int order, const std::vector<Interval>& smoothing)
-      : taps(static_cast<std::size_t>(order) + 1),
-        cumulative(static_cast<std::size_t>(order) + 2),
-        smoothing_(smoothing) {}
+  CheckedSum(int order, bool window)
+      : taps(static_cast<std::size_t>(order) + 1), cumulative(static_cast<std::size_t>(order) + 2), window_(window) {}
   int order() const { return static_cast<int>(taps.size()) - 1; }
   void tap(int i, const Interval& c) {
     if (i < 0 || i > order()) return;
@@ -73,14 +70,33 @@ struct CheckedSum {
       count(c);
     }
   }
-  /// The same of the command behind the smoothing: tap i is sum_j g_j b_{i-j}.
-  void command_tap(int i, const Interval& c) {
-    if (smoothing_.size() == 1) return tap(i, c);
-    for (const Interval& g : smoothing_) tap(i--, c * g);
+  /// The same of the command behind the smoothing, or of the motion: tap i is sum_j g_j b_{i-j}. An end of a window
+  /// stands for all taps beyond it: none of them counts in tap i, or by the largest g_j there.
+  void tap_behind(const std::vector<Interval>& g, int i, const Interval& c) {
+    if (g.size() == 1) return tap(i, c);
+    double before = 0.0, after = 0.0;
+    for (const Interval& part : g) {
+      if (!window_ || (i > 0 && i < order()))
+        tap(i, c * part);
+      else
+        (i <= 0 ? before : after) = std::max(i <= 0 ? before : after, part.hi);
+      --i;
+    }
+    tap(0, c * Interval(0.0, before));
+    tap(order(), c * Interval(0.0, after));
   }
-  void command_response(int k, const Interval& c) {
-    if (smoothing_.size() == 1) return response(k, c);
-    for (const Interval& g : smoothing_) response(k--, c * g);
+  /// In a window, of the taps that an end stands for any part counts in B_k beyond it.
+  void response_behind(const std::vector<Interval>& g, int k, const Interval& c) {
+    if (g.size() == 1) return response(k, c);
+    for (const Interval& part : g) {
+      if (window_ && (k <= 0 || k > order())) {
+        response(k <= 0 ? 0 : order(), c * part);
+        tap(k <= 0 ? 0 : order(), c * part * Interval(0.0, 1.0));
+      } else {
+        response(k, c * part);
+      }
+      --k;
+    }
   }
 
  private:
@@ -88,7 +104,7 @@ struct CheckedSum {
   /// multipliers of a proof may be tiny.
   void count(const Interval& c) { terms += c.lo != 0.0 || c.hi != 0.0 ? 1 : 0; }
 
-  const std::vector<Interval>& smoothing_;
+  bool window_;
 };
 
 /// Speeds of an axis' two legs.
@@ -102,8 +118,6 @@ class CheckedRows {
   /// @param task  with the limits that verification grants (granted_limits.hpp); the reference is kept
   explicit CheckedRows(const Task& task);
   double tap_max() const { return bounds_.tap_max(); }
-  /// Taps of the control's own smoothing; {1} without.
-  const std::vector<Interval>& smoothing() const { return response_.command(); }
   /// Samples by which the machine's response lengthens the motion.
   int longer() const { return response_.longer(); }
   /// Bounds on the responses in a box; none if no filter is left.

@@ -198,10 +198,6 @@ class Anytime {
     if (task_.machine.prefilter_taps.empty()) return;
     Task part = easier_part(task_);
     part.machine.modes = task_.machine.modes;
-    const bool servo = Response(task_.machine, task_.sample_period).servo_order() > 0;
-    for (Axis& axis : part.machine.axes) {
-      if (servo) axis.force_max = axis.force_speed_max = unlimited;
-    }
     if (exact_covers(part)) bound_of_part(part, share);
   }
 
@@ -351,10 +347,7 @@ bool exact_covers(const Task& task) {
   if (limits_supply(task.machine) || std::ranges::any_of(task.machine.axes, chord_with_friction)) return false;
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return true;
-  return response.common() && is_convex(task) &&
-         (response.servo_order() == 0 || std::ranges::all_of(task.machine.axes, [](const Axis& a) {
-            return a.force_max == unlimited && a.force_speed_max == unlimited;
-          }));
+  return response.common() && is_convex(task);
 }
 
 void judge_gap(DesignResult& result) {

@@ -18,6 +18,11 @@ Task covered_part(const Task& task) {
     part.corners[j].error_max = task.corners[j].error_max;
     part.corners[j].contour_max = task.corners[j].contour_max;
   }
+  // Forces behind a response are linear in the taps, too.
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    part.machine.axes[a].force_max = task.machine.axes[a].force_max;
+    part.machine.axes[a].force_speed_max = task.machine.axes[a].force_speed_max;
+  }
   part.machine.power_total_max = part.machine.regeneration_total_max = unlimited;
   for (Axis& axis : part.machine.axes) {
     if (axis.coulomb > 0.0) axis.power_max = axis.regeneration_max = unlimited;

@@ -99,12 +99,12 @@ void LinearProgram::add_base_rows() {
     const double reach = std::ldexp(1.0, std::max(0, ramp.differences - 1));  // of any taps from 0 to 1
     for (int i = 0; ramp.max < reach && i <= largest_ + model_.rows.smoothing().order() + ramp.differences; ++i) {
       const proof::TapDifference id{i, 1, ramp.kind};
-      if (kind_.window && !inside_window(id, all, model_.rows.smoothing())) continue;
+      if (kind_.window && !inside_window(id, all, model_.rows)) continue;
       add(drafts_.limit(model_.rows.row(id, all), ramp.max, true), id);
     }
   }
   for (const proof::Row& id : model_.rows.base_force_rows(largest_)) {
-    if (kind_.window && !inside_window(id, all, model_.rows.smoothing())) continue;
+    if (kind_.window && !inside_window(id, all, model_.rows)) continue;
     add(drafts_.limit(model_.row(id, all), 1.0, false), id);
   }
   tube_rows_ = lp_.rows();

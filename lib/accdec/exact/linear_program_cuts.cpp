@@ -53,7 +53,7 @@ std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter
                                            double slack) {
   const Machine& machine = model.task().machine;
   std::optional<Filter> made;
-  const Filter& command = model.rows.smoothing().command(filter, made);
+  const Filter& command = model.rows.smoothing().behind(filter, made);
   const auto uses = vibration_utilisation(command, model.task().sample_period, machine);
   std::vector<proof::Vibration> broken;
   std::size_t of_filter = 0;
@@ -74,8 +74,8 @@ std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter
 
 bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
   bool added = cut_cones(filter, box, allowed);
-  for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken()))
-    added |= (!kind_.window || inside_window(id, box, model_.rows.smoothing())) && add_limit(id, box);
+  for (const proof::Row& id : model_.rows.broken_blend_rows(filter, box, broken(), true))
+    added |= (!kind_.window || inside_window(id, box, model_.rows)) && add_limit(id, box);
   if (!kind_.window) {
     for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
   }
@@ -84,7 +84,11 @@ bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
 
 bool LinearProgram::add_limit(const proof::Row& id, const Box& box) {
   if (names_.known(id)) return false;
-  add(drafts_.limit(model_.row(id, box), 1.0, false), id);
+  // Rows of starts and stops serve every order.
+  Box all;
+  all.order = largest_, all.window = box.window;
+  const bool of_event = std::holds_alternative<proof::EventForce>(id);
+  add(drafts_.limit(model_.row(id, of_event ? all : box), 1.0, false), id);
   return true;
 }
 
@@ -133,8 +137,7 @@ bool LinearProgram::cut_vibration(const Filter& filter, const Box& box) {
   bool added = false;
   for (proof::Vibration id : broken_modes(model_, filter, box, broken())) {
     const double bound = model_.rows.vibration_bound(id, box);
-    if (bound == infinity || (kind_.window && !inside_window(id, box, model_.rows.smoothing())) ||
-        !add_vibration(id, box))
+    if (bound == infinity || (kind_.window && !inside_window(id, box, model_.rows)) || !add_vibration(id, box))
       continue;
     added = true;
     // A zero response needs both components held.

@@ -35,7 +35,7 @@ struct Shift {
 };
 
 Multipliers shifted(const LimitModel& model, const Multipliers& y, int by, const Box& box) {
-  const Shift shift{model, by, box.order + box.corners.front().d2 + most_differences + 1};
+  const Shift shift{model, by, box.last_sample(0) + most_differences};
   Multipliers later;
   later.reserve(y.size());
   for (const proof::Term& term : y) {

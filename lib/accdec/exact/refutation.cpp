@@ -148,8 +148,7 @@ class WeightedSum {
 
   bool add(const SparseRow& row, double y) {
     if (row.no_terms() && row.constant <= 1.0) return true;
-    for (const auto& [i, x] : row.taps) sum_.command()[static_cast<std::size_t>(i)] += y * x;
-    for (const auto& [k, x] : row.sums) sum_.add_response(k, y * x);
+    model_.rows.add(row, y, false, sum_);
     return counts(y, y * (1.0 - row.constant));
   }
 

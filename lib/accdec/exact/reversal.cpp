@@ -14,7 +14,7 @@ bool known_in(const proof::Reversal& id, const Box& box) {
 Box at_reversals(const LimitModel& model, const Filter& filter, Box box) {
   box.reversals.clear();
   std::optional<Filter> made;
-  const Filter& command = model.rows.smoothing().command(filter, made);
+  const Filter& motion = model.rows.motion().behind(filter, made);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const TaskCorner& corner = model.task().corners[j];
     const double still = still_part * std::max(corner.geometry().feed_in, corner.geometry().feed_out);
@@ -23,11 +23,11 @@ Box at_reversals(const LimitModel& model, const Filter& filter, Box box) {
       if (model.task().machine.axes[a].coulomb == 0.0 || v.in * v.out >= 0.0) continue;
       const int d = box.corners[j].d1;
       const auto moves_back = [&](int k) {
-        const double speed = v.in * command.remaining(k) + v.out * command.cumulative(k - d);
+        const double speed = v.in * motion.remaining(k) + v.out * motion.cumulative(k - d);
         return (v.out > 0.0 ? speed : -speed) > still;
       };
       int k = 0;
-      while (k <= command.order() + d && !moves_back(k)) ++k;
+      while (k <= motion.order() + d && !moves_back(k)) ++k;
       box.reversals.push_back({static_cast<int>(j), static_cast<int>(a), k, k});
     }
   }

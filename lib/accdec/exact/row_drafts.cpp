@@ -34,27 +34,35 @@ void RowDrafts::clear_command() {
   on_command_.assign(static_cast<std::size_t>(largest_ + model_.rows.smoothing().order()) + 1, 0.0);
 }
 
-void RowDrafts::add_taps() {
+void RowDrafts::add_command() {
   const Smoothing& smoothing = model_.rows.smoothing();
-  if (!smoothing.none()) {
-    on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
-    smoothing.add_designed(on_command_, on_tap_);
-  }
-  const std::vector<double>& taps = smoothing.none() ? on_command_ : on_tap_;
+  if (smoothing.none()) return add_columns(on_command_);
+  on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
+  smoothing.add_designed(on_command_, on_tap_);
+  add_columns(on_tap_);
+}
+
+void RowDrafts::add_columns(const std::vector<double>& taps) {
   for (int i = 0; i <= largest_; ++i) {
     if (const double c = taps[static_cast<std::size_t>(i)]; c != 0.0) draft_.add(i, c);
   }
 }
 
 const DraftRow& RowDrafts::limit(const SparseRow& row, double scale, bool both, bool soft) {
-  clear_command();
-  for (const auto& [i, c] : row.taps) on_command_[static_cast<std::size_t>(i)] += c * scale;
-  for (const auto& [k, c] : row.sums) {
-    for (int i = 0; i < k; ++i) on_command_[static_cast<std::size_t>(i)] += c * scale;
-  }
   draft_.clear();
   if (soft) draft_.add(excess(), -1.0);
-  add_taps();
+  if (row.of_motion) {
+    on_tap_.assign(static_cast<std::size_t>(largest_) + 1, 0.0);
+    model_.rows.add_motion(row, scale, window_, on_tap_);
+    add_columns(on_tap_);
+  } else {
+    clear_command();
+    for (const auto& [i, c] : row.taps) on_command_[static_cast<std::size_t>(i)] += c * scale;
+    for (const auto& [k, c] : row.sums) {
+      for (int i = 0; i < k; ++i) on_command_[static_cast<std::size_t>(i)] += c * scale;
+    }
+    add_command();
+  }
   const double bound = (1.0 + slack_) * scale;
   draft_.low = both ? -bound : -DualSimplex::infinity;
   draft_.high = bound - row.constant * scale;
@@ -118,7 +126,7 @@ const DraftRow& RowDrafts::vibration(const proof::Vibration& id, const Box& box)
     add_window_vibration(model_, id, scale, on_command_);
   else  // damping counts from the box's last tap; without, a row serves every order
     model_.rows.add_vibration(id, scale, id.damping > 0.0 ? std::span(on_command_).first(in_box) : on_command_);
-  add_taps();
+  add_command();
   draft_.high = scale * model_.rows.vibration_bound(id, box) * (1.0 + slack_);
   draft_.low = window_ ? -DualSimplex::infinity : -draft_.high;
   return draft_;
@@ -150,7 +158,7 @@ const DraftRow* RowDrafts::again(const proof::RangeError& id, const Box& box) {
 
 template <class BlendRow>
 const DraftRow* RowDrafts::again_at_blend(const BlendRow& id, const Box& box) {
-  if (!known_in(id, box) || (window_ && !inside_window(id, box, model_.rows.smoothing()))) return nullptr;
+  if (!known_in(id, box) || (window_ && !inside_window(id, box, model_.rows))) return nullptr;
   const SparseRow row = model_.rows.row(id, box);
   return row.no_terms() ? nullptr : &limit(row, 1.0, false);
 }

@@ -63,9 +63,10 @@ class RowDrafts {
  private:
   template <class BlendRow>
   const DraftRow* again_at_blend(const BlendRow& id, const Box& box);
-  /// The coefficients of the command's taps in `on_command_`, as columns of the draft.
-  void add_taps();
   void clear_command();
+  /// The coefficients of the command's taps in `on_command_`, as columns of the draft.
+  void add_command();
+  void add_columns(const std::vector<double>& taps);
 
   const LimitModel& model_;
   const int largest_;

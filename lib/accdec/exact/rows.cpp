@@ -11,23 +11,25 @@
 namespace accdec::exact {
 namespace {
 
-/// A row under construction: terms beyond the order are dropped, as responses there are 1.
+/// A row under construction: terms beyond the order are dropped, as responses there are 1. In a window there may be
+/// taps before and after all of them.
 struct RowBuilder {
   int order;
+  bool all = false;
   SparseRow row{};
   void tap(int i, double c) {
-    if (i >= 0 && i <= order) row.taps.emplace_back(i, c);
+    if (all || (i >= 0 && i <= order)) row.taps.emplace_back(i, c);
   }
   void response(int k, double c) {  // c B_k
-    if (k > order)
+    if (k > order && !all)
       row.constant += c;
-    else if (k > 0)
+    else if (k > 0 || all)
       row.sums.emplace_back(k, c);
   }
 };
 
-/// How much dry friction takes from a force to one side, N, while two legs meet. An axis that keeps its direction has
-/// friction against it. One that reverses pushes to leg 2's side all the time. Before it moves there, friction helps.
+}  // namespace
+
 double friction_help(const Axis& axis, const Legs& v, int sign, bool reversed) {
   if (axis.coulomb == 0.0) return 0.0;
   const bool reverses = v.in * v.out < 0.0;
@@ -35,8 +37,6 @@ double friction_help(const Axis& axis, const Legs& v, int sign, bool reversed) {
   const double along = reverses ? v.out : v.in + v.out;
   return along > 0.0 ? -sign * axis.coulomb : sign * axis.coulomb;
 }
-
-}  // namespace
 
 Legs legs(const TaskCorner& corner, std::size_t axis) {
   const auto a = static_cast<Eigen::Index>(axis);
@@ -59,7 +59,11 @@ std::vector<EventSpeeds> event_speeds(const Task& task) {
   return speeds;
 }
 
-ConvexRows::ConvexRows(const Task& task) : task_(task), smoothing_(task.machine), speeds_(event_speeds(task)) {
+ConvexRows::ConvexRows(const Task& task)
+    : task_(task),
+      smoothing_(Smoothing::of_command(task.machine)),
+      motion_(Smoothing::of_motion(task.machine, task.sample_period)),
+      speeds_(event_speeds(task)) {
   for (const Axis& axis : task.machine.axes) lines_.push_back(force_lines(axis));
   const double t = task.sample_period;
   for (std::size_t n = 0; n < period_to_the_.size(); ++n) period_to_the_[n] = std::pow(t, static_cast<double>(n));
@@ -68,7 +72,7 @@ ConvexRows::ConvexRows(const Task& task) : task_(task), smoothing_(task.machine)
     const double fastest = std::max(speeds_[a].start, speeds_[a].stop);
     if (fastest == 0.0) continue;
     if (axis.acceleration_max < unlimited) tap_max_ = std::min(tap_max_, axis.acceleration_max * t / fastest);
-    if (axis.force_max == unlimited || axis.damping > 0.0 || axis.mass == 0.0 || !smoothing_.none()) continue;
+    if (axis.force_max == unlimited || axis.damping > 0.0 || axis.mass == 0.0 || !motion_.none()) continue;
     // Dry friction is against a start and helps a stop.
     if (speeds_[a].start > 0.0)
       tap_max_ = std::min(tap_max_, (axis.force_max - axis.coulomb) * t / (axis.mass * speeds_[a].start));
@@ -97,7 +101,7 @@ double ConvexRows::ramp_max(LimitKind kind) const {
 
 std::vector<proof::Row> ConvexRows::base_force_rows(int order) const {
   std::vector<proof::Row> rows;
-  for (std::size_t a = 0; a < speeds_.size(); ++a) {
+  for (std::size_t a = 0; a < speeds_.size() && !servo(); ++a) {
     const Axis& axis = task_.machine.axes[a];
     if (axis.force_max == unlimited || (axis.damping == 0.0 && smoothing_.none())) continue;
     for (int k = 1; k <= order + smoothing_.order() + 1; ++k) {
@@ -117,7 +121,8 @@ SparseRow ConvexRows::row(const proof::TapDifference& id, const Box& box) const 
 }
 
 SparseRow ConvexRows::row(const proof::EventForce& id, const Box& box) const {
-  RowBuilder b{box.order + smoothing_.order()};
+  RowBuilder b{box.order + motion_.order(), box.window && servo()};
+  b.row.of_motion = servo();
   const Axis& axis = task_.machine.axes[static_cast<std::size_t>(id.axis)];
   const EventSpeeds& s = speeds_[static_cast<std::size_t>(id.axis)];
   // A stop brakes: its force points against its speed.
@@ -131,7 +136,9 @@ SparseRow ConvexRows::row(const proof::EventForce& id, const Box& box) const {
 }
 
 SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
-  RowBuilder b{box.order + smoothing_.order()};
+  const bool loads = id.limit == LimitKind::force || id.limit == LimitKind::force_speed;
+  RowBuilder b{box.order + (loads ? motion_ : smoothing_).order(), box.window && loads && servo()};
+  b.row.of_motion = loads && servo();
   const double t = task_.sample_period;
   const Axis& axis = task_.machine.axes[static_cast<std::size_t>(id.axis)];
   const Legs v = legs(task_.corners[static_cast<std::size_t>(id.corner)], static_cast<std::size_t>(id.axis));
@@ -140,7 +147,7 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
     b.tap(at - 1, -c * v.in / t);
     b.tap(at - 1 - d, c * v.out / t);
   };
-  if (id.limit == LimitKind::force || id.limit == LimitKind::force_speed) {
+  if (loads) {
     const ForceRow force = force_row(id.axis, id.limit == LimitKind::force ? -1 : id.line, id.sign, id.direction);
     acceleration(k, id.sign * axis.mass / force.bound);
     const bool reversed = k >= box.reversal(id.corner, id.axis).last;
@@ -158,7 +165,8 @@ SparseRow ConvexRows::row(const proof::Blend& id, const Box& box) const {
 
 /// The speed in leg 2's direction, in parts of the faster feed: not below 0, or not above 0.
 SparseRow ConvexRows::row(const proof::Reversal& id, const Box& box) const {
-  RowBuilder b{box.order + smoothing_.order()};
+  RowBuilder b{box.order + motion_.order()};
+  b.row.of_motion = servo();
   const TaskCorner& corner = task_.corners[static_cast<std::size_t>(id.corner)];
   const Legs v = legs(corner, static_cast<std::size_t>(id.axis));
   const double c = (v.out > 0.0 ? -id.sign : id.sign) / std::max(corner.geometry().feed_in, corner.geometry().feed_out);
@@ -176,102 +184,32 @@ ConvexRows::ForceRow ConvexRows::force_row(int a, int line, double sign, double 
   return {of.force, sign * axis.damping + direction * of.slope};
 }
 
-void ConvexRows::add_broken_event_forces(const Filter& command, std::size_t a, double slack,
-                                         std::vector<proof::Row>& out) const {
-  const Axis& axis = task_.machine.axes[a];
-  for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
-    const ForceLine& of = lines_[a][static_cast<std::size_t>(line)];
-    for (int k = 1; k <= command.order() + 1; ++k) {
-      const double inertia = axis.mass * command.tap(k - 1) / task_.sample_period;
-      const double start = speeds_[a].start * (inertia + (axis.damping + of.slope) * command.cumulative(k));
-      const double stop = speeds_[a].stop * (inertia + (of.slope - axis.damping) * command.remaining(k));
-      if (speeds_[a].start > 0.0 && start + axis.coulomb > of.force * (1.0 + slack))
-        out.push_back(proof::EventForce{false, static_cast<int>(a), k, line});
-      if (speeds_[a].stop > 0.0 && stop - axis.coulomb > of.force * (1.0 + slack))
-        out.push_back(proof::EventForce{true, static_cast<int>(a), k, line});
-    }
+void ConvexRows::add_motion(const SparseRow& row, double factor, bool window, std::span<double> designed) const {
+  const int last = static_cast<int>(designed.size()) - 1;
+  const auto add = [&](int i, const auto& of_tap, const auto& of_sum) {
+    double sum = 0.0;
+    for (const auto& [n, c] : row.taps) sum += of_tap(n - i, c);
+    for (const auto& [k, c] : row.sums) sum += of_sum(k - i, c);
+    designed[static_cast<std::size_t>(i)] += factor * sum;
+  };
+  for (int i = window ? 1 : 0; i <= (window ? last - 1 : last); ++i) {
+    add(
+        i, [&](int after, double c) { return c * motion_.tap(after); },
+        [&](int after, double c) { return c * motion_.sum(after); });
   }
+  if (!window) return;
+  add(
+      0, [&](int after, double c) { return std::min(0.0, c) * motion_.largest(after, motion_.order()); },
+      [&](int after, double c) { return std::min(c * motion_.sum(after), c); });
+  add(
+      last, [&](int after, double c) { return std::min(0.0, c) * motion_.largest(0, after); },
+      [&](int after, double c) { return std::min(0.0, c) * motion_.sum(after); });
 }
 
-void ConvexRows::add_broken_reversals(const Filter& command, const Box& box, double slack,
-                                      std::vector<proof::Row>& out) const {
-  for (const ReversalRange& range : box.reversals) {
-    const CornerBox& c = box.corner(range.corner);
-    if (c.d1 != c.d2) continue;
-    for (const proof::Reversal& id : {proof::Reversal{range.corner, range.axis, range.first - 1, -1},
-                                      proof::Reversal{range.corner, range.axis, range.last, 1}}) {
-      const SparseRow reversal = row(id, box);
-      double value = reversal.constant;
-      for (const auto& [k, coefficient] : reversal.sums) value += coefficient * command.cumulative(k);
-      if (value > 1.0 + slack) out.push_back(id);
-    }
-  }
-}
-
-void ConvexRows::add_broken_curve(const Filter& command, const Box& box, std::size_t j, std::size_t a, double slack,
-                                  std::vector<proof::Row>& out) const {
-  const Axis& axis = task_.machine.axes[a];
-  const Legs v = legs(task_.corners[j], a);
-  const int d = box.corners[j].d1;
-  for (int k = 1; k <= box.order + smoothing_.order() + d + 1 && !lines_[a].empty(); ++k) {
-    const double speed = v.in * command.remaining(k) + v.out * command.cumulative(k - d);
-    const double force =
-        axis.mass * (v.out * command.tap(k - 1 - d) - v.in * command.tap(k - 1)) / task_.sample_period +
-        axis.damping * speed;
-    const int direction = speed < 0.0 ? -1 : 1;
-    const bool reversed = k >= box.reversal(static_cast<int>(j), static_cast<int>(a)).last;
-    for (const int sign : {1, -1}) {
-      for (int line = 0; line < static_cast<int>(lines_[a].size()); ++line) {
-        const ForceLine& of = lines_[a][static_cast<std::size_t>(line)];
-        if (sign * force + of.slope * std::abs(speed) >
-            (of.force + friction_help(axis, v, sign, reversed)) * (1.0 + slack))
-          out.push_back(
-              proof::Blend{LimitKind::force_speed, static_cast<int>(j), static_cast<int>(a), k, sign, line, direction});
-      }
-    }
-  }
-}
-
-std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, const Box& box, double slack) const {
-  std::vector<proof::Row> broken;
-  std::optional<Filter> made;
-  const Filter& command = smoothing_.command(filter, made);
-  const double t = task_.sample_period;
-  for (std::size_t a = 0; a < lines_.size(); ++a) add_broken_event_forces(command, a, slack, broken);
-  add_broken_reversals(command, box, slack, broken);
-  for (std::size_t j = 0; j < box.corners.size(); ++j) {
-    if (box.corners[j].d1 != box.corners[j].d2) continue;
-    const int d = box.corners[j].d1;
-    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
-      const Axis& axis = task_.machine.axes[a];
-      const Legs v = legs(task_.corners[j], a);
-      if (v.in == 0.0 || v.out == 0.0) continue;
-      add_broken_curve(command, box, j, a, slack, broken);
-      std::vector<const AxisLimit*> bounded;  // each difference that is computed costs time at every sample
-      for (const AxisLimit& limit : axis_limits)
-        if (limit.differences >= 0 && axis.*limit.bound < unlimited) bounded.push_back(&limit);
-      const bool forced = axis.force_max < unlimited;
-      const int reversed = box.reversal(static_cast<int>(j), static_cast<int>(a)).last;
-      std::size_t used = forced ? 1 : 0;
-      for (const AxisLimit* limit : bounded) used = std::max(used, static_cast<std::size_t>(limit->differences) + 1);
-      std::array<double, most_differences + 1> difference{};  // of the acceleration, over T each time
-      for (int k = 1; k <= box.order + smoothing_.order() + d + 1 + most_differences; ++k) {
-        double next = (v.out * command.tap(k - 1 - d) - v.in * command.tap(k - 1)) / t;
-        for (std::size_t i = 0; i < used; ++i) next = (next - std::exchange(difference[i], next)) / t;
-        const auto test = [&](LimitKind limit, double value, double bound) {
-          if (!(std::abs(value) > bound * (1.0 + slack))) return;
-          broken.push_back(proof::Blend{limit, static_cast<int>(j), static_cast<int>(a), k, value > 0.0 ? 1 : -1});
-        };
-        for (const AxisLimit* limit : bounded)
-          test(limit->kind, difference[static_cast<std::size_t>(limit->differences)], axis.*(limit->bound));
-        if (!forced) continue;
-        const double force = axis.mass * difference[0] +
-                             axis.damping * (v.in * command.remaining(k) + v.out * command.cumulative(k - d));
-        test(LimitKind::force, force, axis.force_max + friction_help(axis, v, force > 0.0 ? 1 : -1, k >= reversed));
-      }
-    }
-  }
-  return broken;
+void ConvexRows::add(const SparseRow& row, double factor, bool window, WeightedTaps& sum) const {
+  if (row.of_motion) return add_motion(row, factor, window, sum.designed());
+  for (const auto& [i, c] : row.taps) sum.command()[static_cast<std::size_t>(i)] += factor * c;
+  for (const auto& [k, c] : row.sums) sum.add_response(k, factor * c);
 }
 
 double ConvexRows::vibration_bound(const proof::Vibration& id) const {
@@ -299,7 +237,7 @@ double ConvexRows::vibration_bound(const proof::Vibration& id, const Box& box) c
 
 bool ConvexRows::breaks_residual(const Filter& filter, const Box& box, std::size_t corner, double slack) const {
   std::optional<Filter> made;
-  const Filter& command = smoothing_.command(filter, made);
+  const Filter& command = smoothing_.behind(filter, made);
   for (const Mode& mode : task_.machine.modes) {
     if (!mode.of_axis()) continue;
     const Legs v = legs(task_.corners[corner], static_cast<std::size_t>(mode.axis));

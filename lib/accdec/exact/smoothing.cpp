@@ -1,32 +1,36 @@
 #include <algorithm>
+#include <utility>
 
 #include <accdec/exact/smoothing.hpp>
 
 namespace accdec::exact {
-namespace {
+
+Smoothing::Smoothing(Response response) : response_(std::move(response)), taps_(response_.motion(Filter({1.0}))) {}
 
 /// The smoothing does not depend on the period, which only servos need.
-Response without_servos(const Machine& machine) {
+Smoothing Smoothing::of_command(const Machine& machine) {
   Machine smoothing;
   smoothing.prefilter_taps = machine.prefilter_taps;
-  return {smoothing, 1.0};
+  return of_motion(smoothing, 1.0);
 }
 
-}  // namespace
-
-Smoothing::Smoothing(const Machine& machine) : response_(without_servos(machine)), taps_(response_.prefilter()) {}
-
-double Smoothing::largest() const {
-  return *std::max_element(taps_.begin(), taps_.end());
+Smoothing Smoothing::of_motion(const Machine& machine, double period) {
+  return Smoothing(Response(machine, period));
 }
 
-const Filter& Smoothing::command(const Filter& designed, std::optional<Filter>& made) const {
-  return none() ? designed : made.emplace(response_.command(designed));
+double Smoothing::largest(int first, int last) const {
+  double most = 0.0;
+  for (int j = std::max(first, 0); j <= std::min(last, order()); ++j) most = std::max(most, taps_.tap(j));
+  return most;
+}
+
+const Filter& Smoothing::behind(const Filter& designed, std::optional<Filter>& made) const {
+  return none() ? designed : made.emplace(response_.motion(designed));
 }
 
 void Smoothing::add_designed(std::span<const double> command, std::span<double> designed) const {
   for (std::size_t i = 0; i < designed.size(); ++i) {
-    for (std::size_t j = 0; j < taps_.size(); ++j) designed[i] += taps_[j] * command[i + j];
+    for (std::size_t j = 0; j < taps_.taps().size(); ++j) designed[i] += taps_.taps()[j] * command[i + j];
   }
 }
 

@@ -40,9 +40,8 @@ bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size
   one.corners[j].d1 = one.corners[j].d2 = delay;
   if (!box.window) one = at_reversals(bench_.model(), filter, std::move(one));
   const auto broken = bench_.model().rows.broken_blend_rows(filter, one, 1e-9);
-  if (std::any_of(broken.begin(), broken.end(), [&](const proof::Row& id) {
-        return !box.window || inside_window(id, one, bench_.model().rows.smoothing());
-      }))
+  if (std::any_of(broken.begin(), broken.end(),
+                  [&](const proof::Row& id) { return !box.window || inside_window(id, one, bench_.model().rows); }))
     return false;
   if (box.window) return true;
   if (bench_.model().rows.breaks_residual(filter, one, j, 1e-9)) return false;

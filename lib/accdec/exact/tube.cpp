@@ -45,7 +45,7 @@ double TubeLimits::Plant::least_before(double low, double high) const {
 
 TubeLimits::TubeLimits(const Task& task, const ConvexRows& rows)
     : tap_max_(rows.tap_max()), jerk_max_(rows.smoothing().none() ? rows.ramp_max(LimitKind::jerk) : unlimited) {
-  if (!rows.smoothing().none()) return;  // no other limit is of the designed taps
+  if (!rows.motion().none()) return;  // no other limit is of the designed taps
   const std::vector<EventSpeeds> speeds = event_speeds(task);
   for (std::size_t a = 0; a < speeds.size(); ++a) {
     const Axis& axis = task.machine.axes[a];

@@ -12,23 +12,25 @@ namespace {
 /// The part of a row that concerns the taps inside.
 struct Inside {
   const Box& box;
-  const Smoothing& smoothing;
-  /// Whether a tap of the command is made of designed taps inside alone.
-  bool inner(int tap) const { return tap - smoothing.order() >= 1 && tap <= box.order - 1; }
+  const ConvexRows& rows;
+  /// Whether a tap behind a smoothing is made of designed taps inside alone.
+  bool inner(int tap, const Smoothing& smoothing) const { return tap - smoothing.order() >= 1 && tap <= box.order - 1; }
 
   bool operator()(const proof::Error&) const { return true; }
   /// The rest of a damped vibration depends on how far the filter's end is.
   bool operator()(const proof::Vibration& row) const {
-    return row.damping == 0.0 && row.corner < 0 && smoothing.none();
+    return row.damping == 0.0 && row.corner < 0 && rows.smoothing().none();
   }
   bool operator()(const proof::TapDifference& row) const {
-    return inner(row.sample) && inner(row.sample - axis_limit(row.limit).differences);
+    return inner(row.sample, rows.smoothing()) &&
+           inner(row.sample - axis_limit(row.limit).differences, rows.smoothing());
   }
-  bool operator()(const proof::EventForce& row) const { return inner(row.sample - 1); }
+  bool operator()(const proof::EventForce& row) const { return rows.servo() || inner(row.sample - 1, rows.motion()); }
   bool operator()(const proof::Blend& row) const {
     const CornerBox& c = box.corner(row.corner);
     const int newest = row.sample - 1, oldest = newest - std::max(axis_limit(row.limit).differences, 0);
-    return c.d1 == c.d2 && inner(newest) && inner(newest - c.d1) && inner(oldest) && inner(oldest - c.d1);
+    const auto inside = [&](int tap) { return inner(tap, rows.smoothing()) && inner(tap - c.d1, rows.smoothing()); };
+    return c.d1 == c.d2 && ((rows.servo() && axis_limit(row.limit).load) || (inside(newest) && inside(oldest)));
   }
   template <class Other>
   bool operator()(const Other&) const {
@@ -38,8 +40,8 @@ struct Inside {
 
 }  // namespace
 
-bool inside_window(const proof::Row& id, const Box& box, const Smoothing& smoothing) {
-  return std::visit(Inside{box, smoothing}, id);
+bool inside_window(const proof::Row& id, const Box& box, const ConvexRows& rows) {
+  return std::visit(Inside{box, rows}, id);
 }
 
 void add_window_vibration(const LimitModel& model, const proof::Vibration& id, double y, std::span<double> taps) {
@@ -50,12 +52,11 @@ void add_window_vibration(const LimitModel& model, const proof::Vibration& id, d
 
 double window_refutation(const LimitModel& written, const Multipliers& y, const Box& box) {
   const LimitModel& model = written.granted();
-  const Smoothing& smoothing = model.rows.smoothing();
-  WeightedTaps sum(smoothing, box.order);
+  WeightedTaps sum(model.rows.smoothing(), box.order);
   double rhs = 0.0, magnitude = 0.0;
   for (const auto& [id, value] : y) {
     magnitude += value;
-    if (!inside_window(id, box, smoothing)) return -std::numeric_limits<double>::infinity();
+    if (!inside_window(id, box, model.rows)) return -std::numeric_limits<double>::infinity();
     if (const auto* error = std::get_if<proof::Error>(&id)) {
       const auto j = static_cast<std::size_t>(error->corner);
       const double wp = value * model.weight_in(j, error->angle), wq = value * model.weight_out(j, error->angle);
@@ -71,8 +72,7 @@ double window_refutation(const LimitModel& written, const Multipliers& y, const 
       continue;
     }
     const SparseRow row = model.row(id, box);
-    for (const auto& [i, x] : row.taps) sum.command()[static_cast<std::size_t>(i)] += value * x;
-    for (const auto& [k, x] : row.sums) sum.add_response(k, value * x);
+    model.rows.add(row, value, true, sum);
     rhs += value * (1.0 - row.constant);
   }
   std::vector<double>& c = sum.all();

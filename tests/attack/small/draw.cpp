@@ -19,14 +19,15 @@ class Draw {
   }
 
   Task run() {
-    feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, is("several") || is("power") || is("regeneration") ? 3.0 : 7.0);
+    several_ = is("several") || (is("servo") && chance(0.1));
+    feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, several_ || is("power") || is("regeneration") ? 3.0 : 7.0);
     task_.sample_period = 1e-3 * one_of({0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 20.0});
     task_.design.order_max = chance(0.15) ? whole(1, 6) : 24;
     if (chance(0.1)) task_.design.order_min = whole(1, std::min(task_.design.order_max, 5));
-    task_.design.symmetric = is("symmetric");
+    task_.design.symmetric = is("symmetric") || (is("servo") && chance(0.1));
     draw_axes();
     draw_corners();
-    if (is("weighted") || is("several")) {
+    if (is("weighted") || several_) {
       task_.design.runs = one_of({1.0, 1.0, 2.0, 0.5, 10.0});
       if (chance(0.3)) task_.design.objective = Objective::corner;
     }
@@ -38,6 +39,7 @@ class Draw {
     }
     const bool convex = !is("power") && !is("regeneration") && !is("speed");
     if (is("smoothed") || (convex && chance(0.15))) draw_smoothing();
+    if (is("servo")) draw_servo();
     if (is("given")) draw_filter();
     return task_;
   }
@@ -55,7 +57,7 @@ class Draw {
     Axis axis;
     const double time = samples_ * task_.sample_period, acceleration = feed_ / time;
     const bool loads = is("power") || is("regeneration");
-    const bool force = loads || is("force") || chance(0.2);
+    const bool force = loads || is("force") || chance(is("servo") ? 0.8 : 0.2);
     if (!force || chance(0.4)) axis.acceleration_max = acceleration * uniform(1.0, 2.0);
     if (!is("force") && chance(0.6)) axis.jerk_max = acceleration / (uniform(0.1, 0.6) * time);
     if (is("velocity")) axis.velocity_max = feed_ * uniform(1.0, 1.2);
@@ -102,7 +104,7 @@ class Draw {
   }
 
   void draw_corners() {
-    const int count = is("several") ? 2 : 1;
+    const int count = several_ ? 2 : 1;
     for (int j = 0; j < count; ++j) {
       double angle = 0.0;
       const CornerLegs shape = legs(angle);
@@ -113,11 +115,11 @@ class Draw {
       // The error of a moving average without delay, Eq. (6) of Shih, Chen and Lee, sets the scale.
       const double scale =
           in * samples_ * task_.sample_period / 4.0 * std::max(std::cos(angle / 2.0), 0.05) * (is("speed") ? 4.0 : 1.0);
-      if (is("fixed-delay") || (is("several") && chance(0.1)))
+      if (is("fixed-delay") || (several_ && chance(0.1)))
         corner.delay = whole(0, 6);
       else
         corner.error_max = scale * (chance(0.03) ? 0.0 : uniform(0.05, 1.3));
-      if (is("weighted") || is("several")) corner.weight = one_of({1.0, 1.0, 2.0, 5.0, 0.3});
+      if (is("weighted") || several_) corner.weight = one_of({1.0, 1.0, 2.0, 5.0, 0.3});
       if (is("speed")) corner.speed_min = std::min(in, out) * uniform(0.02, 0.5);
       task_.corners.push_back(std::move(corner));
     }
@@ -144,8 +146,34 @@ class Draw {
     for (double& tap : taps) tap /= sum;
   }
 
+  /// The same servo for every axis, and dry friction where no axis reverses.
+  void draw_servo() {
+    Axis servo;
+    if (chance(0.4)) {
+      servo.servo_gain = std::min(uniform(2.5, 8.0) / task_.sample_period, 1e4);
+    } else {
+      double sum = 0.0;
+      for (int count = whole(2, 5); count > 0; --count)
+        sum += servo.response_taps.emplace_back(chance(0.2) ? 0.0 : uniform(0.1, 1.0));
+      if (sum == 0.0) servo.response_taps.front() = sum = 1.0;
+      for (double& tap : servo.response_taps) tap /= sum;
+    }
+    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
+      Axis& axis = task_.machine.axes[a];
+      axis.servo_gain = servo.servo_gain, axis.response_taps = servo.response_taps;
+      const bool reverses = std::ranges::any_of(task_.corners, [&](const TaskCorner& corner) {
+        const auto i = static_cast<Eigen::Index>(a);
+        return corner.geometry().direction_in[i] * corner.geometry().direction_out[i] < 0.0;
+      });
+      if (axis.force_max == unlimited || reverses || !chance(0.4)) continue;
+      axis.coulomb = uniform(0.02, 0.5) * axis.force_max;
+      if (chance(0.7)) axis.force_max += axis.coulomb;
+    }
+  }
+
   std::string_view kind_;
   std::mt19937_64 random_;
+  bool several_ = false;
   double feed_ = 0.0, samples_ = 0.0;
   Task task_;
 };

@@ -268,7 +268,7 @@ class Search {
   int nodes_ = 0;
 };
 
-/// Delays from the first on, every corner's from 0 to two more than the order and the smoothing: more change nothing.
+/// Delays from the first on, every corner's from 0 to two more than the order and the response: more change nothing.
 class Enumeration {
  public:
   Enumeration(const Task& task, double samples) : task_(task), samples_(samples) {}
@@ -286,7 +286,7 @@ class Enumeration {
     if (j == delays_.size()) return orders();
     Verdict verdict = Verdict::no;
     const int given = task_.corners[j].delay.value_or(-1);
-    for (int d = std::max(0, given); d <= (given >= 0 ? given : task_.design.order_max + 2 + smoothing_order(task_));
+    for (int d = std::max(0, given); d <= (given >= 0 ? given : task_.design.order_max + 2 + response_order(task_));
          ++d) {
       delays_[j] = d;
       std::fill(delays_.begin() + static_cast<std::ptrdiff_t>(j) + 1, delays_.end(), 0);
@@ -306,7 +306,7 @@ class Enumeration {
     Verdict verdict = Verdict::no;
     for (int order = most; order >= std::max(least, task_.design.order_min); --order) {
       const bool longer_than_useful =
-          std::any_of(delays_.begin(), delays_.end(), [&](int d) { return d > order + 2 + smoothing_order(task_); });
+          std::any_of(delays_.begin(), delays_.end(), [&](int d) { return d > order + 2 + response_order(task_); });
       const bool given = std::any_of(task_.corners.begin(), task_.corners.end(),
                                      [](const TaskCorner& c) { return c.delay.has_value(); });
       if (longer_than_useful && !given) continue;

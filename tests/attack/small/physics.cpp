@@ -46,16 +46,35 @@ std::vector<double> smoothed(const std::vector<double>& command, const std::vect
   return result;
 }
 
-/// Velocity of an axis: of each sample what every unit tap makes of the command.
-Rows velocity_rows(double in, double out, std::size_t taps, std::size_t leg, std::size_t delay,
-                   const std::vector<double>& smoothing) {
+/// Velocity of an axis behind its servo. A position control changes its following error e by e' = v - Kv e, here
+/// without feedforward, while the command's velocity v is constant for a sample.
+std::vector<double> followed(const std::vector<double>& command, const Axis& axis, double period) {
+  if (!axis.response_taps.empty()) return smoothed(command, axis.response_taps);
+  if (axis.servo_gain == unlimited) return command;
+  const double left = std::exp(-axis.servo_gain * period);
+  std::vector<double> moved;
+  double error = 0.0;
+  for (const double v : command) {
+    const double next = left * error + (1.0 - left) * v / axis.servo_gain;
+    moved.push_back(v - (next - error) / period);
+    error = next;
+  }
+  return moved;
+}
+
+/// The velocity that a corner commands an axis before the filter: rest, leg 1, gap, leg 2, rest.
+std::vector<double> commanded(double in, double out, std::size_t leg, std::size_t delay) {
   const std::size_t rest = leg;
   std::vector<double> command(rest, 0.0);
   command.insert(command.end(), leg, in);
   command.insert(command.end(), delay, 0.0);
   command.insert(command.end(), leg, out);
   command.insert(command.end(), rest, 0.0);
-  command = smoothed(command, smoothing);
+  return command;
+}
+
+/// Every unit tap delays the command: its values at each sample.
+Rows rows_of(const std::vector<double>& command, std::size_t taps) {
   Rows rows{taps, std::vector<double>(command.size() * taps, 0.0)};
   for (std::size_t s = 0; s < command.size(); ++s) {
     for (std::size_t i = 0; i < taps && i <= s; ++i) rows.values[s * taps + i] = command[s - i];
@@ -115,8 +134,13 @@ double dot(const double* row, const std::vector<double>& taps) {
   return sum;
 }
 
-int smoothing_order(const Task& task) {
-  return static_cast<int>(smoothing_of(task).size()) - 1;
+int response_order(const Task& task) {
+  constexpr double gone = 32.0;  // exp(-32) is 1e-14
+  const Axis& axis = task.machine.axes.front();
+  const std::size_t servo = std::max<std::size_t>(1, axis.response_taps.size());
+  const int loop =
+      axis.servo_gain < unlimited ? static_cast<int>(gone / (axis.servo_gain * task.sample_period)) + 1 : 0;
+  return static_cast<int>(smoothing_of(task).size() + servo) - 2 + loop;
 }
 
 Physics::Physics(const Task& task, int order, const std::vector<int>& delays) {
@@ -153,15 +177,18 @@ void Physics::add_corner(const Task& task, std::size_t j, int order, int delay) 
   const std::size_t axes = task.machine.axes.size();
   const Legs legs = legs_of(corner, axes);
   const std::vector<double> smoothing = smoothing_of(task);
-  const int longest = order + smoothing_order(task);
+  const int longest = order + response_order(task);
   const auto leg = static_cast<std::size_t>(longest) + 4, end = 2 * leg;
   // The last sample of leg 1's command, and everything until leg 2 is at full speed.
   const std::size_t first = end - 1, last = end + static_cast<std::size_t>(longest + delay) + 1;
   std::vector<Rows> velocity, position;
   for (std::size_t a = 0; a < axes; ++a) {
-    velocity.push_back(
-        velocity_rows(legs.in[a], legs.out[a], linear.taps, leg, static_cast<std::size_t>(delay), smoothing));
-    add_axis(task.machine.axes[a], velocity[a], task.sample_period);
+    const Axis& axis = task.machine.axes[a];
+    const std::vector<double> command =
+        smoothed(commanded(legs.in[a], legs.out[a], leg, static_cast<std::size_t>(delay)), smoothing);
+    velocity.push_back(rows_of(followed(command, axis, task.sample_period), linear.taps));
+    const double direction = legs.in[a] + legs.out[a];
+    add_axis(axis, rows_of(command, linear.taps), velocity[a], task.sample_period, direction < 0.0 ? -1.0 : 1.0);
     const double length = static_cast<double>(leg) * legs.in[a] * task.sample_period;
     position.push_back(position_rows(velocity[a], length, task.sample_period, first, last));
   }
@@ -181,17 +208,18 @@ void Physics::add_corner(const Task& task, std::size_t j, int order, int delay) 
   }
 }
 
-void Physics::add_axis(const Axis& axis, const Rows& velocity, double period) {
+void Physics::add_axis(const Axis& axis, const Rows& velocity, const Rows& moved, double period, double direction) {
   const std::size_t taps = velocity.taps;
   const std::vector<double> zero(taps, 0.0);
-  const auto v = [&](std::size_t s, std::size_t back) { return s >= back ? velocity.row(s - back) : zero.data(); };
   // `now`, `before` and `earlier` weigh the velocities of three samples.
-  const auto limit = [&](std::size_t s, double now, double before, double earlier, double bound) {
+  const auto limit = [&](const Rows& of, std::size_t s, double now, double before, double earlier, double more,
+                         double bound) {
     if (!(bound < unlimited)) return;
+    const auto v = [&](std::size_t back) { return s >= back ? of.row(s - back) : zero.data(); };
     double* row = linear.fresh();
     double largest = 0.0;
     for (std::size_t i = 0; i < taps; ++i) {
-      row[i] = (now * v(s, 0)[i] + before * v(s, 1)[i] + earlier * v(s, 2)[i]) / bound;
+      row[i] = (now * v(0)[i] + before * v(1)[i] + earlier * v(2)[i] + more) / bound;
       largest = std::max(largest, std::abs(row[i]));
     }
     // No taps, being parts of a whole, use it more than its largest entry.
@@ -200,14 +228,15 @@ void Physics::add_axis(const Axis& axis, const Rows& velocity, double period) {
   const double a = 1.0 / period, jerk = a / period;
   const double of_now = axis.mass * a + axis.damping, of_before = axis.mass * a;
   for (std::size_t s = 1; s < velocity.size(); ++s) {
-    limit(s, 1.0, 0.0, 0.0, axis.velocity_max);
-    limit(s, a, -a, 0.0, axis.acceleration_max);
-    limit(s, jerk, -2.0 * jerk, jerk, axis.jerk_max);
-    limit(s, of_now, -of_before, 0.0, axis.force_max);
+    limit(velocity, s, 1.0, 0.0, 0.0, 0.0, axis.velocity_max);
+    limit(velocity, s, a, -a, 0.0, 0.0, axis.acceleration_max);
+    limit(velocity, s, jerk, -2.0 * jerk, jerk, 0.0, axis.jerk_max);
+    // Dry friction is against the motion. It also helps to stop an axis that just stands, which is the same.
+    limit(moved, s, of_now, -of_before, 0.0, direction * axis.coulomb, axis.force_max);
   }
   if (!(axis.power_max < unlimited) && !(axis.regeneration_max < unlimited)) return;
   const std::size_t first = velocities.size();
-  velocities.values.insert(velocities.values.end(), velocity.values.begin(), velocity.values.end());
+  velocities.values.insert(velocities.values.end(), moved.values.begin(), moved.values.end());
   for (std::size_t s = 1; s < velocity.size(); ++s) {
     const std::size_t now = first + s;
     if (axis.power_max < unlimited) powers.push_back({now, now - 1, of_now, of_before, axis.power_max, 1.0});

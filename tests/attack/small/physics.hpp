@@ -41,15 +41,15 @@ struct ErrorLimit {
       last;  ///< samples that can be nearest: before leg 2 has begun or after leg 1 is over all lead away
 };
 
-/// By how many samples the control's own smoothing lengthens a motion.
-int smoothing_order(const Task& task);
+/// By how many samples the control's own smoothing and the servo of all axes lengthen a motion.
+int response_order(const Task& task);
 
 /// Everything a filter of this order with these delays does, from sampled commands: rest, leg 1, gap, leg 2, rest, once
 /// for every unit tap. Nothing of the library but the task's numbers is used.
 struct Physics {
   Physics(const Task& task, int order, const std::vector<int>& delays);
 
-  Rows linear;      ///< velocity, acceleration, jerk, force over their bounds: |row . b| <= 1
+  Rows linear;      ///< velocity, acceleration, jerk, force over their bounds: |row . b| <= 1, as the sum of b is 1
   Rows cones;       ///< residual vibration over its bound: of each frequency two rows, together of length <= 1
   Rows velocities;  ///< m/s, of the limits that are not convex
   std::vector<PowerLimit> powers;
@@ -59,7 +59,8 @@ struct Physics {
 
  private:
   void add_corner(const Task& task, std::size_t j, int order, int delay);
-  void add_axis(const Axis& axis, const Rows& velocity, double period);
+  /// @param moved      the velocity behind the servo  @param direction  of the motion, if the axis keeps it
+  void add_axis(const Axis& axis, const Rows& velocity, const Rows& moved, double period, double direction);
 };
 
 /// Largest use of any limit by the taps, 1 is the bound; of each corner's error at its nearest sample.
