@@ -151,6 +151,19 @@ TEST_F(ResponseOfTasks, ResponsesWithoutAProofAreTakenEverywhere) {
   }
 }
 
+/// Filters of families that are not symmetric are shorter here. The verifier refuses them where a task asks for
+/// symmetry.
+TEST_F(ResponseOfTasks, SymmetricTapsAreAskedOfFamiliesToo) {
+  const std::string result = folder_.path("result.json");
+  const std::string text =
+      "sample_period_ms = 20\n[design]\norder_max = 12\nsymmetric = true\n"
+      "[machine]\nregeneration_total_max_W = 2.5\n[[axis]]\nmass_kg = 27\nservo_gain_1_s = 66\n"
+      "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 10000\n";
+  ASSERT_EQ(run({"design", folder_.write("task.toml", text), "--json", result, "--time-limit", "5"}).code, 0);
+  const Outcome verified = run({"verify", result});
+  EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+}
+
 TEST_F(ResponseOfTasks, ExplainAndPlotConsiderIt) {
   const Outcome explained = run({"explain", task(servo, "")});
   EXPECT_EQ(explained.code, 0) << explained.err;

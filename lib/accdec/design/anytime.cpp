@@ -21,6 +21,7 @@
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/equal_corners.hpp>
 #include <accdec/task/order_bound.hpp>
+#include <accdec/task/symmetry.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -244,7 +245,9 @@ class Anytime {
     if (!found.lower_bound) return;
     if (!bound_ || *found.lower_bound > *bound_->lower_bound) bound_ = found;
   }
+  /// Families have shapes that are not symmetric.
   void offer_design(DesignResult found) {
+    if (found.has_design() && !symmetric_as_asked(task_, *found.filter)) return;
     if (!best_ || found.objective() < best_->objective()) best_ = std::move(found);
   }
 

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <accdec/certificate.hpp>
 #include <accdec/design/smoothed_bound.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/task/symmetry.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -45,10 +45,7 @@ DesignResult without_smoothing(const Task& task, DesignResult found) {
 
 std::optional<DesignResult> in_front_of_smoothing(const Task& task, const Filter& filter,
                                                   const std::function<bool()>& stop) {
-  if (filter.order() > task.design.order_max) return std::nullopt;
-  const auto taps = filter.taps();
-  const auto alike = [](double a, double b) { return std::abs(a - b) <= 1e-9; };
-  if (task.design.symmetric && !std::equal(taps.begin(), taps.end(), taps.rbegin(), alike)) return std::nullopt;
+  if (filter.order() > task.design.order_max || !symmetric_as_asked(task, filter)) return std::nullopt;
   const auto delays = delays_by_formula(filter, task, unlimited, stop);
   if (!delays) return std::nullopt;
   return assess(task, filter, *delays, false);
