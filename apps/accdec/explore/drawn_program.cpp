@@ -29,7 +29,7 @@ double to_thousandths(double x) {
   return std::round(1e3 * x) / 1e3;
 }
 
-/// Of the values of many samples the one of the largest magnitude.
+/// The value of the largest magnitude among those of many samples.
 class Peak {
  public:
   void look(double value) {
@@ -139,7 +139,7 @@ class Loads {
     }
   }
 
-  /// Of one sample, in the order of the curves.
+  /// Those of one sample, in the order of the curves.
   std::vector<double> loads(const double* velocity) {
     std::vector<double> values;
     auto curve = curves_.begin();

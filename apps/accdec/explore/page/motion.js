@@ -34,7 +34,7 @@ export function titleOf({ kind, unit: of, axis }) {
   return `${words.replaceAll("_", " ")}${axis ? ` of ${axis}` : ""} / ${unit(of)}`;
 }
 
-/** Limits with the names of their axes; without, where all axes have the same. One of both signs is named above zero. */
+/** Limits with the names of their axes, if they differ. Where both signs have one, that above zero is named. */
 const named = (limits, axes) =>
   [...limits].map(([value, names]) => ({
     value,
