@@ -16,6 +16,10 @@ def paper(page):
     folded = "document.querySelectorAll('details:not([open])').length"
     before = page.value(folded)
     b.page("Emulation.setEmulatedMedia", media="print")
+    fields = "[...document.querySelectorAll('details[open] > .row input[type=text]')]"
+    hidden = page.value(f"{fields}.filter((f) => !f.getClientRects().length).map((f) => f.id)")
+    check(page.value(f"{fields}.length") > 0 and not hidden,
+          f"fields are on paper where a browser does not tell that it prints {hidden or ''}".strip())
     page.value("dispatchEvent(new Event('beforeprint'))")
     b.page("Emulation.setDeviceMetricsOverride", width=718, height=1000, deviceScaleFactor=1, mobile=False)
     time.sleep(0.4)
@@ -28,6 +32,9 @@ def paper(page):
     check(taps[0] == taps[1] > 0, f"with all {taps[0]} taps")
     wide = page.value("document.documentElement.scrollWidth")
     check(wide <= 718, f"nothing is wider than the paper ({wide} px)")
+    both = page.value("[...document.querySelectorAll('#controls input[type=text]')].filter((f) =>"
+                      " f.getClientRects().length).length")
+    check(both == 0, "no value is there twice")
     shown = page.value("[...document.querySelectorAll('#controls output')].filter(o => o.getClientRects().length)"
                        ".map(o => [o.textContent, o.scrollWidth <= o.clientWidth + 1])")
     check([title, True] in shown and all(whole for _, whole in shown), "texts of fields are whole")

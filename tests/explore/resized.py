@@ -32,3 +32,17 @@ def resized(browser, check):
                                "(accdecProgram.charts[0].scales.x)")
         check(inside, f"{key} leaves the cursor within what is shown")
     press(browser, *["-"] * 4)
+
+
+def no_empty_part(browser, check, what):
+    """What is last in a row of drawings ends where the row ends."""
+    ends = browser.value("""[...document.querySelectorAll(".two, .three")].filter((r) => r.getClientRects().length)
+        .flatMap((row) => {
+            const right = row.getBoundingClientRect().right, ends = new Map();
+            for (const one of row.children) {
+                const box = one.getBoundingClientRect();
+                if (box.width) ends.set(Math.round(box.top), Math.max(ends.get(Math.round(box.top)) ?? 0, box.right));
+            }
+            return [...ends.values()].map((end) => right - end);
+        })""")
+    check(ends and max(ends) < 2, f"{what}: no part of {len(ends)} rows of drawings is empty")

@@ -1,26 +1,114 @@
-"""A program on a machine with a servo, dry friction or a supply is planned with one filter."""
+"""A program on a machine with a servo, dry friction or a supply is planned with one filter, and its loads are drawn."""
 import json
 import subprocess
 
-from looking import check
+from looking import check, wait
 from program import Program
 
-AXIS = "mass_kg = 20\nforce_max_N = 2000\n"
+MASS, DAMPING, FRICTION = 20.0, 30.0, 40.0  # kg, N s/m, N
+AXIS = f"mass_kg = {MASS}\nforce_max_N = 2000\npower_max_W = 900\ndamping_N_s_m = {DAMPING}\n"
 LOADS = {"a servo": AXIS + "servo_gain_1_s = 200\nvelocity_feedforward = 0.9\n",
-         "dry friction": AXIS + "coulomb_N = 40\n",
-         "a supply": AXIS + "[machine]\npower_total_max_W = 500\n"}
+         "dry friction": AXIS + f"coulomb_N = {FRICTION}\n",
+         "a supply": AXIS + "[machine]\npower_total_max_W = 500\n",
+         "a distance from the path": AXIS + "[program]\ncontour_max_um = 5000\n"}
 
 
-def with_loads(accdec, home, code, task):
+def planned(accdec, home, code, file, plan):
+    """(what the command line says on errors, its result or None)"""
+    out = home / "loads.json"
+    out.unlink(missing_ok=True)
+    ran = subprocess.run([accdec, "--quiet", "program", code, "--task", file, "--plan", plan, "--json", out],
+                         capture_output=True, text=True)
+    return ran.stderr.strip(), json.loads(out.read_text()) if out.exists() else None
+
+
+def forces(plan, axis, period, friction):
+    """Of every two points that are samples in a row: force, N, and power, W, from the velocities."""
+    times, speeds = plan["t_s"], [v / 1e3 for v in plan["velocities_mm_s"][axis]]
+    for n in range(1, len(times)):
+        if times[n] - times[n - 1] > 1.5 * period or (friction and abs(speeds[n]) < 1e-6):
+            continue
+        force = MASS * (speeds[n] - speeds[n - 1]) / period + DAMPING * speeds[n]
+        if friction:
+            force += FRICTION if speeds[n] > 0 else -FRICTION
+        yield n, force, force * speeds[n]
+
+
+def loads_of_motion(name, plan, result, period):
+    """Force and power are those of the motion at its samples; the largest is that of the command line."""
+    curves = {(load["kind"], load["axis"]): load for load in plan["loads"]}
+    axes = [load["axis"] for load in result["axis_loads"]]
+    for a, axis in enumerate(axes):
+        force, power = curves["force", axis], curves["power", axis]
+        check(force["bounds"] == [2000, -2000] and power["bounds"] == [900, None], f"{name}: limits of {axis}")
+        peak = next(load["force_peak_N"] for load in result["axis_loads"] if load["axis"] == axis)
+        most = max(map(abs, force["values"]))
+        check(abs(most - peak) <= 5.1e-4, f"{name}: {most} N of {axis} at most, accdec program says {peak} N")
+        if "servo" in name:
+            continue  # the velocities are those of the command
+        # Velocities are rounded to 1e-4 mm/s.
+        off = [(abs(force["values"][n] - f), abs(power["values"][n] - p))
+               for n, f, p in forces(plan, a, period, "friction" in name)]
+        worst = [max(one) for one in zip(*off)]
+        check(len(off) > 100 and worst[0] < 1e-3 + MASS * 1e-7 / period and worst[1] < worst[0] + 1e-2,
+              f"{name}: force and power of {axis} at {len(off)} samples, within {worst} N and W")
+    if "supply" in name:
+        total = curves["power_total", ""]
+        each = [curves["power", axis]["values"] for axis in axes]
+        off = max(abs(t - sum(parts)) for t, *parts in zip(total["values"], *each))
+        check(total["bounds"] == [500, None] and max(total["values"]) <= 500 * (1 + 1e-6) and off < 2e-3,
+              f"{name}: the sum of all axes within {off:.1g} W, at most {max(total['values'])} W")
+
+
+def short_program(home):
+    """So short that every sample is drawn."""
+    code = home / "loads.ngc"
+    code.write_text("G21 G90 G17 G64 P0.05 F6000\nG1 X40\nY30\nX5 Y10\nX40 Y12\nM2\n")
+    return code
+
+
+def with_loads(accdec, home, task):
+    code = short_program(home)
     for name, lines in LOADS.items():
-        file, out = home / "loads.toml", home / "loads.json"
+        file = home / "loads.toml"
         file.write_text(task.read_text() + lines)
-        planned = subprocess.run([accdec, "--quiet", "program", code, "--task", file, "--plan", "fixed", "--json", out],
-                                 capture_output=True, text=True)
-        check(planned.returncode == 0, f"{name}: the command line plans it {planned.stderr.strip()}".strip())
+        said, result = planned(accdec, home, code, file, "fixed")
+        check(result, f"{name}: the command line plans it {said}".strip())
+        refusal, _ = planned(accdec, home, code, file, "profiles")
         program = Program(accdec, code, "--task", file, cwd=home)
-        plans = json.loads(program.ask("GET", program.path + "start")[1])["program"]["plans"]
+        start = json.loads(program.ask("GET", program.path + "start")[1])["program"]
         program.end()
-        took = json.loads(out.read_text())["cycle_time_s"]
-        check([(p["plan"], p["cycle_time_s"]) for p in plans if p["plan"] == "fixed"] == [("fixed", took)],
-              f"{name}: the page has that plan, {took} s")
+        fixed = [p for p in start["plans"] if p["plan"] == "fixed"]
+        took = result["cycle_time_s"]
+        check([p["cycle_time_s"] for p in fixed] == [took], f"{name}: the page has that plan, {took} s")
+        loads_of_motion(name, fixed[0], result, 1e-3)
+        why = refusal.removeprefix("accdec: ").removeprefix("error: ").split(";")[0]
+        check(why and start["others"] == [f"Plan profiles is not available for this task: {why}."],
+              f"{name}: {start['others']}")
+
+
+def draws_loads(accdec, browser, home, task):
+    """A row of force and power for every axis, with their limits or the name of one that is off the scale."""
+    file = home / "loads.toml"
+    file.write_text(task.read_text() + LOADS["a supply"].replace("force_max_N = 2000", "force_max_N = 110"))
+    program = Program(accdec, short_program(home), "--task", file, cwd=home)
+    browser.open(program.address)
+    wait(browser, "document.body.classList.contains('ready')", "the page of a machine with loads")
+    said = browser.value("document.querySelector('#today').textContent")
+    check(said == browser.value("accdecProgram.program.others[0]") and "not available" in said, said)
+    titles = browser.value("[...document.querySelectorAll('#over-time h2')].map(h => h.textContent)")
+    axes = browser.value("accdecProgram.program.axes")
+    wanted = [f"{what} of {axis} / {unit}" for axis in axes for what, unit in (("force", "N"), ("power", "W"))]
+    for title in [*wanted, "power of all axes / W"]:
+        check(any(t.split(";")[0] == title for t in titles), f"a drawing: {title}")
+    shown = browser.value("""accdecProgram.charts.map((c) => [c.root.closest("section").querySelector("h2").textContent,
+        c.scales.y.min, c.scales.y.max]).filter(([title]) => /^(force|power|velocity)/.test(title))""")
+    bounds = {"force": 110, "velocity": 500, "power of all": 500, "power": 900}
+    for title, low, high in shown:
+        bound = next(b for kind, b in bounds.items() if title.startswith(kind))
+        far = "\u00b1" if title.startswith(("force", "velocity")) else ""
+        named = f"; limit {far}{bound}, off scale" in title
+        check(named != (low <= bound <= high), f"{title}: from {low:.3g} to {high:.3g}, the limit is {bound}")
+    check(len({"off scale" in title for title, *_ in shown}) == 2, "some limits are in the picture, others are named")
+    browser.open("about:blank")
+    program.end()

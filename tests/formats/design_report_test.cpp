@@ -40,6 +40,21 @@ TEST(ResultText, StatesUnitsAndTheWorstOfEveryLimit) {
   EXPECT_THAT(text, HasSubstr("20.00      100    500  mm/s"));
 }
 
+// A boxcar of 20 samples takes 10 kg to 100 mm/s at 5 m/s^2. With a damping of 100 N s/m the last sample needs 60 N.
+// Between 0 and 150 mm/s the curve is |F| = 200 N - 1000 N s/m |V|: 100 N at that speed, and (60 + 100)/200 of it used.
+TEST(ResultText, ForceIsBesideTheCurveAtItsSpeed) {
+  const DesignResult result = evaluate_task(parse_task(
+      "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 19\n[[axis]]\nmass_kg = 10\ndamping_N_s_m = 100\n"
+      "force_speed_N = [[0, 200], [150, 50]]\n[[corner]]\nname = \"A\"\nfeed_in_mm_min = 6000\ndelay_samples = 0\n"
+      "direction_in = [1]\ndirection_out = [1]\n",
+      "task.toml", {.response = Considered::all}));
+  const ReportTable limits = limit_report(result);
+  const std::vector<std::string> row{"force speed", "x", "80.00", "60", "100", "N", "A start, k = 20, at 100 mm/s"};
+  EXPECT_THAT(limits.rows, ::testing::Contains(row));
+  EXPECT_THAT(result_text(result), HasSubstr("\n" + limits.note + "\n"));
+  EXPECT_THAT(limits.note, HasSubstr("the curve's force at that speed"));
+}
+
 TEST(ResultText, SaysWhatIsNotConsidered) {
   const auto text = [](const malformed::Parts& parts) {
     return result_text(evaluate_task(parse_task(parts.str(), "t")));

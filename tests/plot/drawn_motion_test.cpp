@@ -32,6 +32,8 @@ TEST(PlotDrawnMotion, PathOfReversalShowsWhereItTurns) {
   EXPECT_LT(*path.x.min, turns);
   EXPECT_GT(*path.x.max, 0.0);
   EXPECT_THAT(path.x.label, testing::StartsWith("along the motion"));
+  EXPECT_EQ(path.stretch, 1.0);
+  EXPECT_THAT(path.y.label, testing::Not(testing::HasSubstr("times as long")));  // nothing moves there
 }
 
 // 10 kg at 5 m/s^2 and a damping of 100 N s/m: at 100 mm/s the force is 60 N. The curve |F| + 1000 N s/m |V| = 200 N is

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/task_json.hpp>
@@ -18,11 +19,11 @@
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/samples.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/program.hpp>
 
+#include "drawn_program.hpp"
 #include "machines.hpp"
 #include "requests.hpp"
 
@@ -31,87 +32,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t most_points = 12'000;  ///< of a motion, as drawn
 constexpr std::size_t most_program_corners = 5'000;
-constexpr double mm = 1e3, um = 1e6, mm_min = 6e4;
-
-/// Four digits behind the mm: 0.1 um can be seen nowhere.
-double rounded(double x) {
-  return std::round(1e4 * x) / 1e4;
-}
-
-double rounded_to(double x, double step) {
-  return std::round(x / step) * step;
-}
-
-/// Acceleration and jerk of one axis from its velocities, the largest since they were taken last.
-class Differences {
- public:
-  explicit Differences(double period) : period_(period) {}
-  void add(double velocity, bool rested) {
-    const double acceleration = (velocity - velocity_) / period_;
-    const double jerk = (acceleration - (rested ? 0.0 : acceleration_)) / period_;
-    velocity_ = velocity, acceleration_ = acceleration;
-    if (std::abs(acceleration) > std::abs(most_acceleration_)) most_acceleration_ = acceleration;
-    if (std::abs(jerk) > std::abs(most_jerk_)) most_jerk_ = jerk;
-  }
-  double take_acceleration() { return rounded_to(mm * std::exchange(most_acceleration_, 0.0), 0.1); }
-  double take_jerk() { return rounded_to(mm * std::exchange(most_jerk_, 0.0), 1.0); }
-
- private:
-  double period_, velocity_ = 0.0, acceleration_ = 0.0, most_acceleration_ = 0.0, most_jerk_ = 0.0;
-};
+constexpr double um = 1e6, mm_min = 6e4;
 
 /// The bounds of every axis, null where there is none.
 Json bounds_json(const Machine& machine, double Axis::*bound) {
   Json json = Json::array();
   for (const Axis& axis : machine.axes)
     json.push_back(axis.*bound < unlimited ? Json(mm * (axis.*bound)) : Json(nullptr));
-  return json;
-}
-
-/// Every n-th sample: times, places, speeds and velocities, and the limit that bound most since the one before.
-Json motion_json(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
-  const ProgramMotion motion = motion_of(result);
-  const std::vector<std::int64_t> drawn = drawn_samples(motion, most_points);
-  auto next = drawn.begin();
-  std::vector<double> time, speed;
-  std::vector<int> bound;
-  std::vector<std::vector<double>> places(programmed.dimensions()), velocities(programmed.dimensions());
-  std::vector<std::vector<double>> accelerations(programmed.dimensions()), jerks(programmed.dimensions());
-  std::vector<Differences> differences(programmed.dimensions(), Differences(motion.sample_period));
-  int binding = -1;
-  std::int64_t before = -1;
-  visit_velocities(machine, motion, [&](std::int64_t k, const double* at, const double* v, int binds) {
-    binding = std::max(binding, binds);
-    for (std::size_t a = 0; a < differences.size(); ++a) differences[a].add(v[a], k > before + 1);
-    before = k;
-    if (next == drawn.end() || k != *next) return;
-    ++next;
-    time.push_back(static_cast<double>(k) * motion.sample_period);
-    for (std::size_t a = 0; a < places.size(); ++a) {
-      places[a].push_back(rounded(mm * at[a]));
-      velocities[a].push_back(rounded(mm * v[a]));
-      accelerations[a].push_back(differences[a].take_acceleration());
-      jerks[a].push_back(differences[a].take_jerk());
-    }
-    speed.push_back(rounded(mm * speed_of(v, places.size()))), bound.push_back(binding);
-    binding = -1;
-  });
-  Json json{{"plan", result.plan.name()},
-            {"cycle_time_s", result.cycle_time},
-            {"t_s", time},
-            {"speed_mm_s", speed},
-            {"binds", bound},
-            {"places_mm", places},
-            {"velocities_mm_s", velocities},
-            {"accelerations_mm_s2", accelerations},
-            {"jerks_mm_s3", jerks},
-            {"lost", Json::array()},
-            {"bounds", bounds_to_json(bounds_of(result))}};
-  for (const CornerLoss& loss : time_lost(programmed, motion))
-    if (loss.count > 0)
-      json["lost"].push_back({{"turn", class_name(loss)}, {"count", loss.count}, {"time_s", loss.time}});
   return json;
 }
 
@@ -122,47 +50,81 @@ ProgramFileOptions tip_options() {
   return options;
 }
 
-/// The plans that hold, the fastest first, each with the bounds that `accdec program` prints beside it.
-std::vector<ProgramResult> plans_of(const std::string& name, const ProgramFile& file, const Task& task,
-                                    double free_seconds, const std::function<void(const std::string&)>& tell) {
-  std::vector<ProgramResult> plans;
-  std::optional<CornerBound> bound;
-  if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
-    bound = corner_bound_of(file.path, task);
-  const double chords = file.reading.read.arc_tolerance;
-  const auto add = [&](ProgramResult result) {
-    if (result.verification.feasible)
-      plans.push_back(std::move(result));
-    else
-      tell(result.message);
-  };
-  FixedPlan fixed{file, {}};
-  fixed.result = run_fixed_plan(name, fixed.file, task, {}, tell);
-  const bool fixed_holds = fixed.result.verification.feasible;
-  if (bound && fixed_holds)
-    fixed.result.corner_bound = corner_bound_as_read(*bound, chords, name, fixed.file, task, tip_options());
-  add(fixed.result);
-  try {
-    ProgramResult profiles = plan_profiles_of(name, file.path, task);
-    profiles.corner_bound = bound;
-    add(std::move(profiles));
-  } catch (const std::invalid_argument& error) {
-    tell(error.what());  // a program with delays of its own, or vibration bounds that no last filter holds
+struct Plans {
+  std::vector<ProgramResult> holding;  ///< the fastest first, each with the bounds that `accdec program` prints
+  std::vector<std::string> others;     ///< a sentence for each plan that is not among them, and why
+};
+
+/// The plans of a program. Each that holds all limits is kept.
+class Planner {
+ public:
+  Planner(const std::string& name, const ProgramFile& file, const Task& task,
+          const std::function<void(const std::string&)>& tell)
+      : name_(name), file_(file), task_(task), tell_(tell) {
+    if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
+      bound_ = corner_bound_of(file.path, task);
   }
-  if (free_seconds > 0.0) {
+
+  void fixed() {
+    FixedPlan plan{file_, {}};
+    plan.result = run_fixed_plan(name_, plan.file, task_, {}, tell_);
+    const bool holds = plan.result.verification.feasible;
+    const double chords = file_.reading.read.arc_tolerance;
+    if (holds && bound_)
+      plan.result.corner_bound = corner_bound_as_read(*bound_, chords, name_, plan.file, task_, tip_options());
+    keep("fixed", plan.result);
+    if (holds) fixed_ = std::move(plan);
+  }
+  void profiles() {
+    try {
+      ProgramResult result = plan_profiles_of(name_, file_.path, task_);
+      result.corner_bound = bound_;
+      keep("profiles", std::move(result));
+    } catch (const std::invalid_argument& error) {
+      const std::string why = error.what();
+      tell_(why);
+      // Behind the semicolon there is advice for the command line.
+      leave("profiles", "is not available for this task", why.substr(0, why.find(';')));
+    }
+  }
+  void free(double seconds) {
     ProgramFileOptions options;
-    options.deadline = Deadline(free_seconds);
-    ProgramFile copy = file;
-    ProgramResult best =
-        run_free_plan(name, copy, task, options, tell, fixed_holds ? std::optional(std::move(fixed)) : std::nullopt);
+    options.deadline = Deadline(seconds);
+    ProgramFile copy = file_;
+    ProgramResult best = run_free_plan(name_, copy, task_, options, tell_, std::move(fixed_));
     // If no window gives way, the answer is the plan it began with.
-    if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free()) add(std::move(best));
+    if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free())
+      keep("free", std::move(best));
+    else
+      plans_.others.push_back(fmt::format("Plan free found nothing faster in {:g} s.", seconds));
   }
-  std::stable_sort(plans.begin(), plans.end(),
-                   [](const auto& a, const auto& b) { return a.cycle_time < b.cycle_time; });
-  if (plans.empty()) throw std::runtime_error("no plan of this program holds all limits: accdec program says why");
-  return plans;
-}
+  Plans plans() {
+    std::stable_sort(plans_.holding.begin(), plans_.holding.end(),
+                     [](const auto& a, const auto& b) { return a.cycle_time < b.cycle_time; });
+    return std::move(plans_);
+  }
+
+ private:
+  void keep(const char* plan, ProgramResult result) {
+    if (result.verification.feasible) {
+      plans_.holding.push_back(std::move(result));
+    } else {
+      tell_(result.message);
+      leave(plan, "does not hold here", result.message);
+    }
+  }
+  void leave(const char* plan, const char* what, const std::string& why) {
+    plans_.others.push_back(fmt::format("Plan {} {}: {}.", plan, what, why));
+  }
+
+  const std::string& name_;
+  const ProgramFile& file_;
+  const Task& task_;
+  const std::function<void(const std::string&)>& tell_;
+  std::optional<CornerBound> bound_;
+  std::optional<FixedPlan> fixed_;  ///< if it holds
+  Plans plans_;
+};
 
 Eigen::VectorXd direction(const Toolpath& path, std::size_t block) {
   const auto n = static_cast<Eigen::Index>(path.dimensions());
@@ -281,8 +243,14 @@ std::string program_start_json(const std::string& name, const Task& task, double
   for (std::size_t a = 0; a < path.dimensions(); ++a) program["axes"].push_back(path.axis_name(a));
   for (std::size_t i = 0; i < axis_limits.size(); ++i) program["limits"].push_back(binding_name(static_cast<int>(i)));
   program["other"] = binding_name(-1);
-  const std::vector<ProgramResult> plans = plans_of(name, file, task, free_seconds, tell);
+  Planner planner(name, file, task, tell);
+  planner.fixed();
+  planner.profiles();
+  if (free_seconds > 0.0) planner.free(free_seconds);
+  const auto [plans, others] = planner.plans();
+  if (plans.empty()) throw std::runtime_error("no plan of this program holds all limits: accdec program says why");
   for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan));
+  program["others"] = others;
   const auto fixed =
       std::find_if(plans.begin(), plans.end(), [](const auto& p) { return p.plan.command() != nullptr; });
   program["corners"] = corners_json(path, fixed == plans.end() ? nullptr : &fixed->plan.path);

@@ -170,7 +170,14 @@ Answer explain(const Question& question) {
   options.design = options_of(question);
   options.design.time_limit = std::min(10.0, question.seconds);  // as that of `accdec explain`
   options.time_limit = question.seconds;
-  return {200, "application/json", explanation_to_json(explain_task(task_of(question), options))};
+  const Explanation explanation = explain_task(task_of(question), options);
+  const ExplanationWords words = explanation_words(explanation);
+  Json json = Json::parse(explanation_to_json(explanation));
+  json["words"] = {{"verdict", words.verdict},
+                   {"above", words.above},
+                   {"changes", {{"head", words.changes.head}, {"rows", words.changes.rows}}},
+                   {"notes", words.notes}};
+  return {200, "application/json", dumped(json)};
 }
 
 Answer export_file(const Question& question) {

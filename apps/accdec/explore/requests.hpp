@@ -41,9 +41,10 @@ struct Answer {
 /// whether that proof was rechecked, and with which number the result is held. It has the motion at the corner asked
 /// for, and the setting in the words of the control. Its list of `views` has null for other corners, and for this one
 /// if a long filter left no time. The answer to "view" is such a motion. The answer to "families" has the best member
-/// of each family that controllers have. The answer to "explain" is that of `accdec explain --json`. The answer to
-/// "check" has, for each task it had time for, why that cannot be designed, or null. The answer to "export" is a file,
-/// that to "file" the task as a task file.
+/// of each family that controllers have. The answer to "explain" is that of `accdec explain --json`; its `words` have
+/// the sentences and the table of changes as `accdec explain` prints them. The answer to "check" has, for each task it
+/// had time for, why that cannot be designed, or null. The answer to "export" is a file, that to "file" the task as a
+/// task file.
 Answer answer(const Question& question);
 
 /// The page begins with this: the task, every key of a task, the shipped tasks, the formats of exports.

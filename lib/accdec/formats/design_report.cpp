@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -11,10 +13,12 @@
 
 #include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
+#include <accdec/machine/force_speed.hpp>
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/task/not_considered.hpp>
 #include <accdec/task/settings_text.hpp>
+#include <accdec/task/simulation.hpp>
 
 namespace accdec {
 namespace {
@@ -28,7 +32,41 @@ std::string text_of(const ReportTable& report, std::initializer_list<std::size_t
   TextTable table(report.head);
   for (const std::size_t column : left) table.left(column);
   for (const auto& row : report.rows) table.add(row);
-  return table.empty() ? "" : fmt::format("\n{}", table.str());
+  if (table.empty()) return "";
+  return fmt::format("\n{}{}{}", table.str(), report.note, report.note.empty() ? "" : "\n");
+}
+
+constexpr const char* curve_note =
+    "force speed: the bound is the curve's force at that speed. A sample on the curve uses 100 %, one of half its "
+    "force "
+    "and half its speed 50 %.";
+
+/// A sample at a force-speed curve: N, what the curve allows there, m/s.
+struct ForceAtSpeed {
+  double force, allowed, speed;
+};
+/// None where the result has no such axis or corner.
+std::optional<ForceAtSpeed> force_at_speed(const DesignResult& result, const LimitUse& use) {
+  const Task& task = result.task;
+  const std::vector<Axis>& axes = task.machine.axes;
+  const auto axis = std::find_if(axes.begin(), axes.end(), [&](const Axis& a) { return a.name == use.axis; });
+  const auto corner =
+      std::find_if(task.corners.begin(), task.corners.end(), [&](const TaskCorner& c) { return c.name == use.corner; });
+  const auto j = static_cast<std::size_t>(corner - task.corners.begin());
+  if (!result.filter || axis == axes.end() || axis->force_speed.empty() || j >= result.corners.size()) return {};
+  const Corner& legs = corner->geometry();
+  const SampledResponse sampled = simulate_response(*result.filter, legs, result.corners[j].delay, task.sample_period,
+                                                    task.machine, result.corners[j].feed_part);
+  const SampledMotion& motion = sampled.motion();
+  const Eigen::Index first = use.event == Event::start   ? motion.start
+                             : use.event == Event::blend ? motion.corner
+                                                         : motion.stop,
+                     row = first + static_cast<Eigen::Index>(use.sample), a = axis - axes.begin();
+  if (use.sample < 0 || row >= motion.velocity.rows()) return {};
+  const double still = still_part * std::max(legs.feed_in, legs.feed_out);
+  const std::vector<AxisState> states = axis_states(sampled, *axis, a, task.sample_period, still);
+  const double speed = std::abs(motion.velocity(row, a));
+  return ForceAtSpeed{std::abs(states[static_cast<std::size_t>(row)].force), force_at(*axis, speed), speed};
 }
 
 }  // namespace
@@ -88,10 +126,17 @@ ReportTable limit_report(const DesignResult& result) {
                         : use->kind == LimitKind::residual
                             ? fmt::format("{} {} {}", use->corner, to_string(use->event), place_of_vibration(*use, 4))
                             : fmt::format("{} {}, k = {}", use->corner, to_string(use->event), use->sample);
+    double value = use->value, bound = use->bound;
+    const auto at = use->kind == LimitKind::force_speed ? force_at_speed(result, *use) : std::nullopt;
+    if (at) {
+      value = at->force, bound = at->allowed;
+      where += fmt::format(", at {:.4g} mm/s", 1e3 * at->speed);
+      table.note = curve_note;
+    }
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";
     table.rows.push_back({kind, use->axis.empty() ? "-" : use->axis, fmt::format("{:.2f}", 100.0 * use->utilisation),
-                          fmt::format("{:.6g}", unit.per_si * use->value),
-                          fmt::format("{:.9g}", unit.per_si * use->bound), std::string(unit.name), where});
+                          fmt::format("{:.6g}", unit.per_si * value), fmt::format("{:.9g}", unit.per_si * bound),
+                          std::string(unit.name), where});
   }
   return table;
 }

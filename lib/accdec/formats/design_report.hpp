@@ -36,10 +36,12 @@ std::string legend(std::initializer_list<std::string_view> words);
 struct ReportTable {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
+  std::string note{};  ///< to stand below it; may be empty
 };
 /// One row per corner.
 ReportTable corner_report(const DesignResult& result);
-/// One row for the worst use of every limit, over all corners.
+/// One row for the worst use of every limit, over all corners. That of a force-speed curve has the force of its sample
+/// and what the curve allows at that speed, where the result has both: `LimitUse` has them scaled to standstill.
 ReportTable limit_report(const DesignResult& result);
 
 }  // namespace accdec

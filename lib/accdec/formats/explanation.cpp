@@ -137,41 +137,57 @@ std::string gain_text(const Explanation& e) {
   return text;
 }
 
-std::string remedy_text(const Explanation& e) {
-  if (e.remedies.empty()) return "";
-  TextTable table({"change of", "now", "enough", "change", "then ms", ""});
-  for (const std::size_t column : {1, 2, 5}) table.left(column);
+void add_remedies(const Explanation& e, ExplanationWords& words) {
+  words.changes.head = {"change of", "now", "enough", "change", "then ms", ""};
   std::vector<std::string> useless, unknown;
-  const Remedy* least = nullptr;
   for (const Remedy& r : e.remedies) {
     if (r.help == Remedy::Help::no) useless.push_back(r.room.name);
     if (r.help == Remedy::Help::unknown) unknown.push_back(r.room.name);
     if (r.help != Remedy::Help::yes) continue;
-    if (least == nullptr) least = &r;
     std::size_t i = 0;
     const std::string enough = numbers(r.room, [&](const Lever&) { return r.values[i++]; });
     const Lever& first = r.room.levers.front();
     const double change = first.value > 0.0 ? r.values.front() / first.value - 1.0 : 0.0;
-    table.add({r.room.name, numbers(r.room, [](const Lever& l) { return l.value; }), enough,
-               first.value > 0.0 ? fmt::format("{:+.3g} %", 100.0 * change) : "from 0", ms(r.objective),
-               r.smallest ? "less is not enough: proved" : "less may be enough"});
+    words.changes.rows.push_back({r.room.name, numbers(r.room, [](const Lever& l) { return l.value; }), enough,
+                                  first.value > 0.0 ? fmt::format("{:+.3g} %", 100.0 * change) : "from 0",
+                                  ms(r.objective), r.smallest ? "less is not enough: proved" : "less may be enough"});
   }
-  std::string text;
-  if (least != nullptr) {
-    text += fmt::format(
-        "\nSmallest change, tried one by one, that makes a design possible (verified by simulation; to "
-        "within {} of the given value, rounded to four digits):\n{}",
-        percent(remedy_tolerance), table.str());
+  if (!words.changes.rows.empty()) {
+    words.above = fmt::format(
+        "Smallest change, tried one by one, that makes a design possible (verified by simulation; to within {} of the "
+        "given value, rounded to four digits):",
+        percent(remedy_tolerance));
   }
-  if (!useless.empty()) text += fmt::format("\nNo change of these helps by itself: {}.\n", fmt::join(useless, ", "));
+  if (!useless.empty())
+    words.notes.push_back(fmt::format("No change of these helps by itself: {}.", fmt::join(useless, ", ")));
   if (!unknown.empty())
-    text +=
-        fmt::format("\nNot settled in the time of a single design: {}. A longer --design-time-limit may settle it.\n",
-                    fmt::join(unknown, ", "));
-  return text;
+    words.notes.push_back(
+        fmt::format("Not settled in the time of a single design: {}. A longer --design-time-limit may settle it.",
+                    fmt::join(unknown, ", ")));
+}
+
+std::string changes_table(const ReportTable& changes) {
+  TextTable table(changes.head);
+  for (const std::size_t column : {1, 2, 5}) table.left(column);
+  for (const auto& row : changes.rows) table.add(row);
+  return table.str();
 }
 
 }  // namespace
+
+ExplanationWords explanation_words(const Explanation& e) {
+  ExplanationWords words;
+  if (!e.base.filter) {
+    words.verdict = fmt::format("No design{}: {}", e.base_proved ? ", proved" : "", e.base.message);
+    add_remedies(e, words);
+  }
+  if (e.base.task.corners.size() > corners_apart_max)
+    words.notes.push_back(fmt::format("Each of more than {} corners by itself was not asked about, only all together.",
+                                      corners_apart_max));
+  if (!e.complete) words.notes.emplace_back("Stopped early: changes that are not listed were not tried.");
+  words.notes.push_back(fmt::format("Ignored: {}.", not_considered_text(e.base.task.machine)));
+  return words;
+}
 
 std::string explanation_text(const Explanation& e, bool samples) {
   std::string text = e.base.task.title.empty() ? "" : e.base.task.title + "\n";
@@ -186,15 +202,11 @@ std::string explanation_text(const Explanation& e, bool samples) {
         : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
                              : "nothing is proved");
     text += gain_text(e) + "\n" + binding_text(e, samples);
-  } else {
-    text += fmt::format("No design{}: {}\n", e.base_proved ? ", proved" : "", e.base.message);
-    text += remedy_text(e);
   }
-  if (e.base.task.corners.size() > corners_apart_max)
-    text += fmt::format("\nEach of more than {} corners by itself was not asked about, only all together.\n",
-                        corners_apart_max);
-  if (!e.complete) text += "\nStopped early: changes that are not listed were not tried.\n";
-  text += fmt::format("\nIgnored: {}.\n", not_considered_text(e.base.task.machine));
+  const ExplanationWords words = explanation_words(e);
+  if (!words.verdict.empty()) text += words.verdict + "\n";
+  if (!words.above.empty()) text += fmt::format("\n{}\n{}", words.above, changes_table(words.changes));
+  for (const std::string& note : words.notes) text += fmt::format("\n{}\n", note);
   return text;
 }
 

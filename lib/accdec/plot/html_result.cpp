@@ -69,6 +69,7 @@ std::string html_result_page(const DesignResult& result, const Figure& figure, c
   html += html_figure("figure", figure, svg);
   html += html_table({corners.head, corners.rows, "corners"});
   html += html_table({limits.head, limits.rows, "limits"});
+  if (!limits.note.empty()) html += html_paragraph(limits.note);
   html += html_folded("Numbers of the design", numbers(result));
   html += html_folded("Taps", taps(*result.filter));
   html +=

@@ -18,6 +18,7 @@ namespace {
 using namespace figure_style;
 
 constexpr double no_distance = 1e-12;          ///< m; distances below it are zero
+constexpr double no_extent = 1e-3;             ///< of the other direction's extent: nothing moves there
 constexpr double margin = 0.06;                ///< of the path's panel, on every side
 constexpr double lowest = 1.0, highest = 1.6;  ///< of the path's panel, see Panel::taller
 
@@ -65,9 +66,11 @@ std::pair<std::size_t, std::size_t> nonzero(const std::vector<double>& values, d
 }
 
 /// How many times a path is drawn higher than it is, or 1 over how many times wider, where it would fill less than half
-/// of its panel.
-double stretch_of(double aspect) {
+/// of its panel. A direction without motion is drawn as it is.
+double stretch_of(double wide, double high) {
   double stretch = 1.0;
+  if (std::min(wide, high) < no_extent * std::max(wide, high)) return stretch;
+  const double aspect = high / wide;
   for (const double more : {2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
     if (taller_for(more * aspect) <= lowest) stretch = more;
     if (taller_for(aspect / more) >= highest) stretch = 1.0 / more;
@@ -153,11 +156,11 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
   panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
   panel.equal_aspect = true;
-  const double wide = std::max(window.right - window.left, 1e-3 * window.size()),
-               high = std::max(window.high - window.low, 1e-3 * window.size());
+  const double wide = std::max(window.right - window.left, no_extent * window.size()),
+               high = std::max(window.high - window.low, no_extent * window.size());
   // As high as what it shows, within limits.
   panel.taller = std::clamp(taller_for(high / wide), lowest, highest);
-  panel.stretch = stretch_of(high / wide);
+  panel.stretch = stretch_of(window.right - window.left, window.high - window.low);
   if (panel.stretch != 1.0)
     (panel.stretch > 1.0 ? panel.y : panel.x).label +=
         fmt::format(", drawn {:g} times as long", std::max(panel.stretch, 1.0 / panel.stretch));

@@ -30,7 +30,10 @@ export function withKeys(place, plotNow) {
 
 /** Numbers of an axis, and the width that they need: 7 px a character. */
 export const ticks = (self, values) => values.map((v) => (v === null ? "" : four(v)));
-export const tickWidth = (_, values) => Math.max(50, 16 + 7 * Math.max(0, ...(values ?? []).map((v) => String(v ?? "").length)));
+export function tickWidth(_, values) {
+  const longest = Math.max(0, ...(values ?? []).map((v) => String(v ?? "").length));
+  return Math.max(50, 16 + 7 * longest);
+}
 /** Steps between the numbers of an axis: 1, 2 or 5 of every power of ten. */
 const steps = Array.from({ length: 26 }, (_, i) => i - 12).flatMap((p) => [1, 2, 5].map((n) => Number(`${n}e${p}`)));
 /** The look of an axis. */
@@ -41,6 +44,26 @@ export const axisLook = () => ({
   ticks: { show: false },
   font: "12px system-ui",
 });
+/** Values from zero to those of a chart, with the limits that are near and room for a word above the largest. */
+export function rangeWith(low, high, limits) {
+  const peak = Math.max(high, -low);
+  // A limit far away would flatten the curve; the title names it.
+  for (const { value } of limits)
+    if (Math.abs(value) <= 1.6 * peak) (low = Math.min(low, value)), (high = Math.max(high, value));
+  if (high === low) return [0, 1];
+  const room = 0.17 * (high - low);
+  return [low < 0 ? low - room : low, high > 0 ? high + room : high];
+}
+/** "; limit \u00b1300 of x, 20, off scale": those of {value, name} that are not in a range, for a title. */
+export function offScale(limits, [low, high]) {
+  const far = limits.filter(({ value }) => value < low || value > high);
+  const words = far.flatMap(({ value, name }) => {
+    const both = far.some((other) => other.value === -value);
+    if (both && value < 0) return [];
+    return [`${both ? "\u00b1" : ""}${four(value)}${name ? ` of ${name}` : ""}`];
+  });
+  return words.length ? `; limit ${words.join(", ")}, off scale` : "";
+}
 /** A number of a legend. */
 export const shownValue = (self, v) => (v === null || v === undefined ? "\u2013" : four(v));
 /** Room at the right for the last number of the axis below. */
@@ -50,11 +73,9 @@ export const padding = [null, 20, null, null];
 export class Chart {
   constructor(place, { title, height = 190, log = false, together = true, between = false, xTitle = "time / ms" }) {
     Object.assign(this, { place, height, log, together, between, xTitle });
-    if (title !== undefined) {
-      this.heading = make("h2", {}, title);
-      this.draw = make("div", { class: "draw" });
-      place.append(this.heading, this.draw);
-    } else this.draw = place.querySelector(".draw");
+    if (title !== undefined) place.append(make("h2", {}, title), make("div", { class: "draw" }));
+    this.heading = place.querySelector("h2");
+    this.draw = place.querySelector(".draw");
     withKeys(this.draw, () => this.plot);
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.draw);
@@ -65,19 +86,23 @@ export class Chart {
     if (this.plot && width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.height });
   }
 
-  /** specs: {label, values, time, axis, before, bound, steps, word, bars}; limits: {value}; x: range or null. */
-  show(specs, limits, { period, x, y, extra }) {
+  /**
+   * specs: {label, values, time, axis, before, bound, steps, word, bars}; limits: {value, name}; x: range or null;
+   * title: another one than before, to which limits are added that are not in the picture.
+   */
+  show(specs, limits, { period, x, y, extra, title }) {
     const signature = JSON.stringify(specs.map((s) => [s.label, s.axis, s.before, s.steps, s.bars]));
     const data = aligned(specs, this.between ? null : period);
     this.now = { specs, limits, x, y, extra };
     if (this.plot && signature === this.signature) {
       this.plot.setData(data, false);
       this.plot.setScale("x", this.range(data));
-      return;
+    } else {
+      this.plot?.destroy();
+      this.signature = signature;
+      this.plot = new uPlot(this.options(specs), data, this.draw);
     }
-    this.plot?.destroy();
-    this.signature = signature;
-    this.plot = new uPlot(this.options(specs), data, this.draw);
+    if (title) this.heading.textContent = title + offScale(limits, this.yRange({ data }));
   }
 
   range(data = this.plot.data) {
@@ -93,13 +118,7 @@ export class Chart {
     specs.forEach((spec, i) => {
       for (const v of plot.data[i + 1]) if (v !== null) (low = Math.min(low, v)), (high = Math.max(high, v));
     });
-    const peak = Math.max(high, -low);
-    // A limit far away would flatten the curve; it is named in the table.
-    for (const { value } of limits)
-      if (Math.abs(value) <= 1.6 * peak) (low = Math.min(low, value)), (high = Math.max(high, value));
-    if (high === low) return [0, 1];
-    const room = 0.17 * (high - low); // a word stands above the largest value
-    return [low < 0 ? low - room : low, high > 0 ? high + room : high];
+    return rangeWith(low, high, limits);
   }
 
   options(specs) {

@@ -20,7 +20,8 @@ export const instant = (seconds) => String(Number(seconds.toFixed(5)));
 export const ms = (seconds) => String(Number((1e3 * seconds).toFixed(6))).replace("-", "\u2212");
 
 /** "mm/s^2" as it is printed. */
-export const unit = (text) => text.replace("^2", "\u00b2").replace("^3", "\u00b3").replace(/\bum$/, "\u00b5m");
+export const unit = (text) =>
+  text.replaceAll("^2", "\u00b2").replaceAll("^3", "\u00b3").replace(/\bum\b/g, "\u00b5m");
 
 /** An element: attributes, then children, which are elements or texts. */
 export function make(tag, attributes = {}, ...children) {
@@ -65,8 +66,8 @@ export function table(head, rows, attributes = {}) {
       "tbody",
       {},
       ...rows.map((row) => {
-        const line = make("tr", row.attributes ?? {}, ...(row.cells ?? row).map((content, i) => cell("td", content, i)));
-        return line;
+        const cells = (row.cells ?? row).map((content, i) => cell("td", content, i));
+        return make("tr", row.attributes ?? {}, ...cells);
       }),
     ),
   );

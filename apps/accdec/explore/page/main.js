@@ -2,13 +2,13 @@
 import { Beside, withFilter } from "./beside.js";
 import { Controls } from "./controls.js";
 import { Chart } from "./curves.js";
-import { Designs, longer } from "./designs.js";
+import { Designs, longer, longestSearch } from "./designs.js";
 import { FilterCharts } from "./filter.js";
 import { $, filterOfToday, objective } from "./format.js";
 import { showUndo } from "./history.js";
 import { blendOnly, distances, Motion } from "./motion.js";
 import { drawPath } from "./path.js";
-import { better } from "./proof.js";
+import { better, unfinished } from "./proof.js";
 import { Latest, askJson, begin, latency, stayAlive } from "./requests.js";
 import { pageText } from "./save.js";
 import { State } from "./state.js";
@@ -22,6 +22,7 @@ const delays = (result) => result.corners.map((c) => c.delay_samples);
 const textOf = (task) => JSON.stringify(task);
 /** Whether the design shown is of this task. While it is not, curves wait for it: they are drawn once. */
 const settled = () => page.design?.of === textOf(state.task);
+const isNow = (task) => textOf(task) === textOf(state.task);
 const found = (answer) => (answer?.result.filter ? answer : null);
 
 // First of all: the program ends once no page tells that it is open.
@@ -32,7 +33,12 @@ shared.pageText = (wait) => pageText(shared, wait);
 /** Answers under way that replace what is drawn, in words. */
 shared.awaited = () => {
   const drawn = [today, beside.member, views.latest, viewsBefore.latest];
-  const asked = { "the design": [designs.whole], "a longer search": [designs.meanwhile], "the families": [families, thorough], "what is drawn": drawn };
+  const asked = {
+    "the design": [designs.whole],
+    "a longer search": [designs.meanwhile],
+    "the families": [families, thorough],
+    "what is drawn": drawn,
+  };
   return Object.keys(asked).filter((name) => asked[name].some((one) => one.busy || one.next));
 };
 const state = (shared.state = new State(start.task, changed, chosen));
@@ -55,15 +61,13 @@ function note(text, lasting = false) {
   if (!lasting) note.timer = setTimeout(() => ($("#note").textContent = ""), 4000 + 100 * text.length);
 }
 
-function trouble(text) {
-  $("#trouble").textContent = text ?? "";
-  $("#trouble").hidden = !text;
-}
+/** Until there is another design. */
+const trouble = (text) => (page.trouble = text);
 if (state.broken) note("The address holds no task that can be read: this is the first one.");
 
 // --- questions ---
 
-const designs = new Designs(corner, showDesign, fail);
+const designs = new Designs(corner, showDesign, fail, () => draw(false));
 // Families found within a frame or two are shown at once. Then the program is free for the design.
 const families = new Latest(
   (task) => askJson("families", task, { seconds: 0.015, ends: [longer, "thorough"] }),
@@ -89,14 +93,15 @@ const today = new Latest(
     }),
   (answer, task) => {
     page.today = { ...answer, of: textOf(task) };
-    draw(settled());
+    draw(settled() && isNow(task));
   },
   () => {
     page.today = null; // it spoke of another task
     draw(settled());
   },
 );
-function fail(error) {
+function fail(error, task) {
+  if (!isNow(task)) return;
   page.design = page.families = null;
   document.body.classList.remove("stale");
   document.body.classList.add("failed");
@@ -105,7 +110,8 @@ function fail(error) {
 }
 
 function changed(structure) {
-  document.body.classList.add("stale");
+  // The task may be again the one that is shown.
+  document.body.classList.toggle("stale", !settled());
   document.body.dataset.task = JSON.stringify(state.task);
   const told = $("#limits .wide");
   told.classList.toggle("old", told.dataset.task !== document.body.dataset.task);
@@ -143,12 +149,12 @@ function askRest(task) {
 
 function showDesign(answer, task) {
   const next = { ...answer, of: textOf(task) };
+  if (settled() && !isNow(task)) return;
   if (page.design?.of !== next.of) latency("design");
   if (!better(next, page.design)) return draw(false);
   page.design = next;
-  trouble(answer.result.filter ? "" : `No design: ${answer.result.message}`);
-  document.body.classList.toggle("failed", !answer.result.filter);
-  if (JSON.stringify(task) === JSON.stringify(state.task)) document.body.classList.remove("stale");
+  trouble("");
+  if (settled()) document.body.classList.remove("stale");
   draw();
   // The families that take longer do not hold up the proof.
   const { of, complete } = page.families ?? {};
@@ -186,8 +192,12 @@ const compared = () => found(beside.family ? beside.answer : page.today);
 function drawNow() {
   const answer = found(page.design);
   page.searching = designs.searching || (designs.finding && settled());
-  summary(page);
+  page.seeking = Boolean(page.searching && page.design && !answer && unfinished(page.design));
+  page.cut = designs.cut && settled() && !page.searching ? longestSearch : 0;
+  if (page.design) document.body.classList.toggle("failed", !answer && !page.seeking);
   if (page.design) document.body.classList.add("ready");
+  document.body.classList.toggle("seeking", page.seeking);
+  summary(page);
   drawFamilies();
   if (!answer || !draw.curves) return;
   draw.curves = false;
@@ -197,7 +207,8 @@ function drawNow() {
   const i = Math.min(corner(), result.task.corner.length - 1);
   cornerButtons($("#corners"), result, i, (corner) => state.choose({ corner }));
   const period = result.sample_period_s * 1e3;
-  $("#beside").textContent = !before ? "(nothing to compare with)" : beside.family ? brief(beside.family.title) : "today";
+  const name = beside.family ? brief(beside.family.title) : "today";
+  $("#beside").textContent = before ? name : "(nothing to compare with)";
   $("#corner-table .wide").replaceChildren(cornerTable(answer.corners));
   if ($("#tap-table").open) $("#tap-table .wide").replaceChildren(tapTable(result));
   filters.show(result, before?.result.filter);
@@ -226,11 +237,10 @@ function drawNow() {
   });
   const most = result.task.corner[i].contour_max_um;
   const said = `largest ${(1e6 * result.corners[i].contour_deviation_m).toFixed(2)}`;
-  $("#off h2").textContent = `Distance from the legs / \u00b5m: ${said}`;
   off.show(
     [...(old ? [distance(shownBefore, true)] : []), { ...distance(shown, false), bounds: [most] }],
     most ? [{ value: most }] : [],
-    { period, x },
+    { period, x, title: `Distance from the legs / \u00b5m: ${said}` },
   );
   motion.show(shown, shownBefore, period, x, result.task.corner[i].speed_min_mm_s ?? null);
 }

@@ -28,11 +28,13 @@ export function distances({ time_ms, path }, period) {
   return { time: points.map(([t]) => t), values: points.map(([, x]) => (x < 1e-6 ? 0 : x)) };
 }
 
-/** "power of all axes / W" */
-const titleOf = ({ kind, unit: of }) =>
-  `${kind.replace("force_speed", "use of the force-speed curve").replace(/_total$/, " of all axes").replaceAll("_", " ")} / ${unit(of)}`;
+/** "power of all axes / W"; with an axis "force of x / N" */
+export function titleOf({ kind, unit: of, axis }) {
+  const words = kind.replace("force_speed", "use of the force-speed curve").replace(/_total$/, " of all axes");
+  return `${words.replaceAll("_", " ")}${axis ? ` of ${axis}` : ""} / ${unit(of)}`;
+}
 
-/** Limits with the names of their axes; without, where all axes have the same, and below zero where both sides have it. */
+/** Limits with the names of their axes, if they differ. Where both signs have one, that above zero is named. */
 const named = (limits, axes) =>
   [...limits].map(([value, names]) => ({
     value,
@@ -86,19 +88,15 @@ export class Motion {
       });
       if (quantity.kind === "velocity") {
         // The smallest speed is asked for between the legs: not at the start, nor at the stop.
-        specs.push({ label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1, bounds: [least], least: true });
+        const path = { label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1 };
+        specs.push({ ...path, bounds: [least], least: true });
         if (least) limits.set(least, ["smallest allowed"]);
       }
       const chart = this.charts.get(quantity.kind);
       const uses = (axis) => axis.values.some((v) => boundAt(v, axis) !== undefined);
       const bind = quantity.axes.filter(uses).map((axis) => axis.name);
       const names = bind.length ? `: ${bind.join(", ")} ${bind.length > 1 ? "bind" : "binds"}` : "";
-      chart.heading.textContent = titleOf(quantity) + names;
-      chart.show(
-        specs,
-        named(limits, quantity.axes.length),
-        { period, x },
-      );
+      chart.show(specs, named(limits, quantity.axes.length), { period, x, title: titleOf(quantity) + names });
     }
   }
 }

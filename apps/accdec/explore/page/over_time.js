@@ -1,7 +1,8 @@
 // Charts over time of a program: speed, then velocity, acceleration and jerk of every axis beside each other, places.
-import { axisLook, padding, shownValue, tickWidth, ticks } from "./curves.js";
+import { axisLook, offScale, padding, rangeWith, shownValue, tickWidth, ticks } from "./curves.js";
 import { four, instant, make } from "./format.js";
 import { colour, marks } from "./marks.js";
+import { titleOf } from "./motion.js";
 
 /** The index of the time that is nearest. */
 export function nearestTo(times, t) {
@@ -70,8 +71,8 @@ export function zoomTo(charts, text) {
 /** Shows the same part of the time in all charts. */
 function zoomed(charts, chart) {
   const { min, max } = chart.scales.x;
-  for (const other of charts)
-    if (other !== chart && (other.scales.x.min !== min || other.scales.x.max !== max)) other.setScale("x", { min, max });
+  const shows = ({ scales: { x } }) => x.min === min && x.max === max;
+  for (const other of charts) if (other !== chart && !shows(other)) other.setScale("x", { min, max });
 }
 
 /** The range of speeds is for cutting: rapid moves that are far faster leave it, and the title says so. */
@@ -82,17 +83,27 @@ function rangeOf(speeds) {
   return most > 1.5 * cutting ? { range: [0, 1.5 * cutting], most } : { range: [0, 1.05 * most] };
 }
 
-/** @returns [title, values of a plan, bound or null][]: a row of charts */
-function rowsOf(program, speeds) {
+/** Charts of force and power, a row for every axis, then that of all axes together. @returns as rowsOf */
+function loadRows({ loads }) {
+  const charts = loads.map((load, i) => [titleOf(load), (p) => p.loads[i].values, load.bounds]);
+  const rows = new Map();
+  loads.forEach(({ axis }, i) => rows.set(axis, [...(rows.get(axis) ?? []), charts[i]]));
+  return [...rows.values()];
+}
+
+/** @returns [title, values of a plan, bounds above and below zero, or null][]: a row of charts */
+function rowsOf(program, plan, speeds) {
   const name = (i) => program.axes[i];
+  const both = (bound) => [bound, bound === null ? null : -bound];
   const beyond = speeds.most ? `, rapid moves up to ${four(speeds.most)} beyond the picture` : "";
   return [
     [[`speed / mm/s${beyond}`, (p) => p.speed_mm_s, null]],
     ...program.axes.map((_, a) => [
-      [`velocity of ${name(a)} / mm/s`, (p) => p.velocities_mm_s[a], program.velocity_max[a]],
-      [`acceleration of ${name(a)} / mm/s\u00b2`, (p) => p.accelerations_mm_s2[a], program.acceleration_max[a]],
-      [`jerk of ${name(a)} / mm/s\u00b3`, (p) => p.jerks_mm_s3[a], program.jerk_max[a]],
+      [`velocity of ${name(a)} / mm/s`, (p) => p.velocities_mm_s[a], both(program.velocity_max[a])],
+      [`acceleration of ${name(a)} / mm/s\u00b2`, (p) => p.accelerations_mm_s2[a], both(program.acceleration_max[a])],
+      [`jerk of ${name(a)} / mm/s\u00b3`, (p) => p.jerks_mm_s3[a], both(program.jerk_max[a])],
     ]),
+    ...loadRows(plan),
     program.axes.map((axis, a) => [`${axis} / mm`, (p) => p.places_mm[a], null]),
   ];
 }
@@ -120,35 +131,43 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
   const speeds = rangeOf(plan.speed_mm_s);
   const charts = [];
   place.replaceChildren();
-  for (const row of rowsOf(program, speeds)) {
+  for (const row of rowsOf(program, plan, speeds)) {
     const line = make("div", { class: row.length > 1 ? "three" : undefined });
     place.append(line);
     const drawn = row.map((one) => {
-      const draw = make("div", { class: "draw", "aria-label": one[0] });
-      line.append(make("section", {}, make("h2", {}, one[0]), draw));
-      return [draw, ...one];
+      const draw = make("div", { class: "draw", "aria-label": one[0] }),
+        heading = make("h2", {}, one[0]);
+      line.append(make("section", {}, heading, draw));
+      return [draw, heading, ...one];
     });
-    for (const [draw, title, values, bound] of drawn) {
+    for (const [draw, heading, title, values, bounds] of drawn) {
       const series = [{ label: "s", value: (_, t) => (t === null ? "\u2013" : instant(t)) }];
-      const specs = [{ bounds: [bound, -bound] }];
+      const line = { value: shownValue, width: 1.5, spanGaps: true };
+      const specs = [{ bounds: bounds ?? [] }];
       let data = [plan.t_s, values(plan)];
-      series.push({ label: plan.plan, value: shownValue, stroke: colour("design"), width: 1.5, spanGaps: true });
+      series.push({ ...line, label: plan.plan, stroke: colour("design") });
       if (before) {
         data = uPlot.join([
           [before.t_s, values(before)],
           [plan.t_s, values(plan)],
         ]);
-        series.splice(1, 0, { label: before.plan, value: shownValue, stroke: colour("before"), width: 1.5, spanGaps: true });
+        series.splice(1, 0, { ...line, label: before.plan, stroke: colour("before") });
         specs.unshift({ before: true });
       }
       const first = !charts.length; // the speed
-      const limits = bound === null ? [] : [bound, -bound].map((value) => ({ value }));
+      const limits = (bounds ?? []).filter((value) => value !== null).map((value) => ({ value }));
+      const near = (_, low, high) => rangeWith(Math.min(0, low), Math.max(0, high), limits);
+      const range = first ? speeds.range : bounds ? near : null;
+      const ended = (u, key) => {
+        if (key === "x") zoomed(charts, u), ranged(rangeText(u.scales.x, u.data[0]));
+        else if (bounds) heading.textContent = title + offScale(limits, [u.scales.y.min, u.scales.y.max]);
+      };
       const hooks = [(u) => marks(specs, limits)(u)];
       if (first) hooks.push((u) => bars(u, plan));
       const chart = new uPlot(
         {
           ...size(draw),
-          scales: { x: { time: false, ...(time ? rangeFrom(time, data[0]) : {}) }, ...(first ? { y: { range: speeds.range } } : {}) },
+          scales: { x: { time: false, ...(time ? rangeFrom(time, data[0]) : {}) }, ...(range ? { y: { range } } : {}) },
           legend: { live: true },
           padding,
           cursor: { drag: { x: true, y: false }, dataIdx: lookAt(plan, before, sample) },
@@ -159,7 +178,7 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
           series,
           hooks: {
             setCursor: [(u) => follow(u)],
-            setScale: [(u, key) => key === "x" && (zoomed(charts, u), ranged(rangeText(u.scales.x, u.data[0])))],
+            setScale: [ended],
             draw: hooks,
           },
         },

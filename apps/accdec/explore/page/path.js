@@ -43,7 +43,7 @@ const nice = (span) => {
   return [1, 2, 5, 10].find((step) => step * power >= span) * power;
 };
 
-/** How many times y is drawn longer than x, where the path would fill less than half of its panel; below 1: x than y. */
+/** How many times y is drawn longer than x, where the path would fill less than half its panel; below 1: x than y. */
 function stretchOf(aspect) {
   const most = [10, 8, 6, 5, 4, 3, 2].find((n) => n <= aspect || n <= 1 / aspect) ?? 1;
   return aspect > 1 ? most : 1 / most;
@@ -136,8 +136,11 @@ export function drawPath(place, now, before) {
     Math.max(a[3], b[3]),
   ]);
   const plot = [size.width - size.left - size.right, size.height - size.top - size.bottom];
-  const fits = [plot[0] / (box[1] - box[0]), plot[1] / (box[3] - box[2])];
-  const stretch = stretchOf(fits[1] / fits[0]);
+  const spans = [box[1] - box[0], box[3] - box[2]];
+  const fits = [plot[0] / spans[0], plot[1] / spans[1]];
+  // A direction without motion is drawn as it is.
+  const flat = Math.min(...spans) < 1e-3 * Math.max(...spans);
+  const stretch = flat ? 1 : stretchOf(fits[1] / fits[0]);
   const scale = Math.min(fits[0], fits[1] / stretch),
     scales = [scale, scale * stretch];
   // The rest is shared.
@@ -156,7 +159,8 @@ export function drawPath(place, now, before) {
   const clip = [];
   const binds = 1e6 * corner.corner_error_m >= binding * tolerance;
   const looks = binds ? "tolerance binds" : "tolerance";
-  if (tolerance) clip.push(make("ellipse", { class: looks, cx, cy, rx: tolerance * scales[0], ry: tolerance * scales[1] }));
+  const [rx, ry] = scales.map((scale) => tolerance * scale);
+  if (tolerance) clip.push(make("ellipse", { class: looks, cx, cy, rx, ry }));
   const far = 3 * Math.hypot(box[1] - box[0], box[3] - box[2]);
   const legs = [
     at(-view.path.in[0] * far, -view.path.in[1] * far),

@@ -46,7 +46,8 @@ const feedsOf = ({ corner }) => feedsText([corner.feed_in_mm_min, corner.feed_ou
 function cornerTitle(corner) {
   const [now, asked] = [feedsOf(corner), feedsText(corner.programmed_mm_min)];
   const feeds = corner.planned ? `the feeds of plan fixed: ${now}` : `the programmed feeds: ${asked}`;
-  return `The corner of line ${corner.line} by itself, from rest to rest at ${feeds} mm/min${now === asked ? "" : ` (programmed: ${asked})`}`;
+  const programmed = now === asked ? "" : ` (programmed: ${asked})`;
+  return `The corner of line ${corner.line} by itself, from rest to rest at ${feeds} mm/min${programmed}`;
 }
 
 /** The corner nearest to a place. @param at  the place of a corner at so many mm */
@@ -165,7 +166,8 @@ function bars(chart, plan) {
 function tables() {
   const plan = program.plans[shown.plan],
     before = besides(plan);
-  $("#over-time").firstElementChild.append(make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan)));
+  const key = make("p", { class: "small" }, "At the foot of the speed, what binds: ", ...limitsKey(plan));
+  $("#over-time").firstElementChild.append(key);
   const lost = new Map((before?.lost ?? []).map((l) => [l.turn, l.time_s]));
   const columns = ["turn", "places", "lost / s", "by each / ms", ...(before ? [`plan ${before.plan} / s`] : [])];
   const rows = plan.lost.map((l) => [
@@ -198,17 +200,14 @@ function summary() {
   const saved = before ? before.cycle_time_s - plan.cycle_time_s : 0;
   const same = Math.abs(saved) < 1e-6; // of rounding
   const than = same ? "As long as" : `${instant(Math.abs(saved))} s ${saved < 0 ? "more" : "less"} than`;
-  $("#today").textContent = before
-    ? `${than} plan ${before.plan}, which is drawn in grey.`
-    : "The other plan does not hold here.";
+  const beside = before ? [`${than} plan ${before.plan}, which is drawn in grey.`] : [];
+  $("#today").textContent = [...beside, ...program.others].join(" ");
   $("#plans").replaceChildren(
-    ...program.plans.map((p, i) =>
-      make(
-        "button",
-        { type: "button", "aria-pressed": String(i === shown.plan), onclick: () => state.set({ plan: i ? p.plan : "" }) },
-        `${p.plan}, ${seconds(p.cycle_time_s)}`,
-      ),
-    ),
+    ...program.plans.map((p, i) => {
+      const onclick = () => state.set({ plan: i ? p.plan : "" });
+      const button = { type: "button", "aria-pressed": String(i === shown.plan), onclick };
+      return make("button", button, `${p.plan}, ${seconds(p.cycle_time_s)}`);
+    }),
   );
 }
 

@@ -4,9 +4,12 @@ import { objective } from "./format.js";
 
 export const proved = (answer) => answer?.result.status === "optimal" && answer.proof.rechecked;
 
+/** Whether the time ended the search. */
+export const cutOff = ({ result }) => ["time limit", "interrupted"].includes(result.stop);
+
 /** Whether a longer search may find something faster, or a proof that was not found or rechecked in time. */
-export const unfinished = ({ result, proof }) =>
-  ["time limit", "interrupted"].includes(result.stop) || (result.status === "optimal" && !proof.rechecked);
+export const unfinished = (answer) =>
+  cutOff(answer) || (answer.result.status === "optimal" && !answer.proof.rechecked);
 
 /** Of two answers to one task the complete one is kept, else that which is proved, else the faster one. */
 export function better(now, before) {

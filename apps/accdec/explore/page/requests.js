@@ -49,19 +49,22 @@ export function latency(name) {
   });
 }
 
+const patience = 150; // ms
+
 /**
  * Asks about the latest value only. While an answer is under way the next question waits, but not longer than
- * `patience` ms: then it takes the other's place, and the program gives up on that.
+ * `patience`: then it takes the other's place, and the program gives up on that.
  */
 export class Latest {
-  constructor(ask, show, fail, patience = 150) {
-    Object.assign(this, { ask, show, fail, patience, number: 0, busy: null, next: undefined });
+  /** ended(value): called where the program gave up on the question, and no other has taken its place. */
+  constructor(ask, show, fail, ended = () => {}) {
+    Object.assign(this, { ask, show, fail, ended, number: 0, busy: null, next: undefined });
   }
   put(value) {
     this.next = { value };
     if (!this.busy) this.send();
     else if (!this.timer)
-      this.timer = setTimeout(() => this.send(), Math.max(0, this.busy + this.patience - performance.now()));
+      this.timer = setTimeout(() => this.send(), Math.max(0, this.busy + patience - performance.now()));
   }
   drop() {
     this.next = undefined;
@@ -80,7 +83,7 @@ export class Latest {
       const answer = await this.ask(value);
       if (number === this.number) this.show(answer, value);
     } catch (error) {
-      if (number === this.number && !(error instanceof Superseded)) this.fail(error, value);
+      if (number === this.number) error instanceof Superseded ? this.ended(value) : this.fail(error, value);
     }
     if (number !== this.number) return;
     this.busy = null;

@@ -7,9 +7,10 @@ const candidates = ({ task, settings }) =>
   task.filter ? "delays of this filter" : settings ? "settings of this control" : "filter and delays";
 
 /** The badge's word and what stands behind it. */
-function badge(answer) {
+function badge({ design: answer, seeking }) {
   if (!answer) return ["no answer", ""];
   const { result, proof } = answer;
+  if (seeking) return ["searching", result.message];
   if (proved(answer))
     return [
       "proved",
@@ -27,21 +28,33 @@ function badge(answer) {
   return [result.status, result.message];
 }
 
+const cutText = (seconds) =>
+  `The search of accdec design was cut off here after ${seconds} s; by itself it may end with another filter.`;
+
+/** Where there is no filter. */
+function sayNone({ seeking, cut }, result) {
+  const none = result?.status === "infeasible";
+  const still = seeking ? "No filter found so far: the search goes on." : "No design so far.";
+  $("#sentence").textContent = none ? "No filter holds these limits." : still;
+  $("#today").textContent = none
+    ? "\u201cFind out\u201d below says how much each limit has to give."
+    : cut
+      ? cutText(cut)
+      : "";
+}
+
 export function summary(page) {
-  const [word, why] = badge(page.design);
-  const more = page.searching && page.design && !proved(page.design);
+  const [word, why] = badge(page);
+  const more = page.searching && page.design && !page.seeking && !proved(page.design);
   $("#badge").textContent = more ? `${word}, searching on` : word;
   $("#badge").dataset.is = word;
   $("#badge").title = why;
   const result = page.design?.result;
-  if (!result?.filter) {
-    const none = result?.status === "infeasible";
-    $("#sentence").textContent = none ? "No filter holds these limits." : "No design so far.";
-    $("#today").textContent = none
-      ? "\u201cFind out\u201d below says how much each limit has to give."
-      : (result?.message ?? "");
-    return;
-  }
+  const failed = result && !result.filter && !page.seeking;
+  const trouble = page.trouble || (failed ? `No design: ${result.message}` : "");
+  $("#trouble").textContent = trouble;
+  $("#trouble").hidden = !trouble;
+  if (!result?.filter) return sayNone(page, result);
   const task = JSON.parse(page.design.of);
   const time = objective(result);
   const what = result.task.filter ? "With the filter given" : result.settings ? "This control" : "Free taps";
@@ -57,7 +70,8 @@ export function summary(page) {
   const same = (answer) => (answer?.of === page.design.of ? answer : null);
   const today = same(page.today);
   const own = today?.result.filter ? today.result : null;
-  const best = same(page.families)?.families.filter((f) => f.objective_s !== undefined && f.of === page.design.of) ?? [];
+  const fits = (f) => f.objective_s !== undefined && f.of === page.design.of;
+  const best = same(page.families)?.families.filter(fits) ?? [];
   // Where the control restricts the delays, the result has its savings itself.
   const savings = result.savings ?? (own && { today_s: objective(own), total_s: objective(own) - time });
   if (filterOfToday(task) && savings) {
@@ -82,6 +96,7 @@ export function summary(page) {
     const what = page.families.complete ? "Best" : "Best so far";
     parts.push(`${what} of the filters that controllers have: ${least.title}, ${ms(least.objective_s)} ms.`);
   }
+  if (page.cut) parts.push(` ${cutText(page.cut)}`);
   $("#today").replaceChildren(...parts);
   $("#setting").textContent = page.design.setting ?? "";
   $("#setting").hidden = !page.design.setting;

@@ -1,5 +1,5 @@
 // The tables: what to set, all corners, taps, what binds.
-import { four, make, ms, table, unit } from "./format.js";
+import { make, ms, table, unit } from "./format.js";
 
 /** ms that are set at a control: all their digits. */
 const exact = (x) => ms(x / 1e3);
@@ -183,15 +183,11 @@ export function explanationTable(answer) {
         make("p", { class: "small" }, `Proved to save nothing by itself: ${nothing.map((g) => g.name).join("; ")}.`),
       );
   } else {
-    const enough = (r) => r.levers.map((l) => `${l.key} = ${four(l.enough)} instead of ${four(l.value)}`).join("; ");
-    parts.push(make("p", {}, answer.message));
-    parts.push(
-      table(
-        ["one of these is enough", "change"],
-        (answer.remedies ?? []).filter((r) => r.helps === "yes").map((r) => [r.name, enough(r)]),
-      ),
-    );
+    const { verdict, above, changes } = answer.words;
+    const cell = (text) => unit(text).replace(/^-/, "\u2212");
+    parts.push(make("p", {}, verdict));
+    if (above) parts.push(make("p", {}, above), table(changes.head, changes.rows.map((row) => row.map(cell))));
   }
-  if (!answer.complete) parts.push(make("p", { class: "small" }, "The time was up before all was known."));
+  parts.push(...answer.words.notes.map((note) => make("p", { class: "small" }, note)));
   return parts;
 }
