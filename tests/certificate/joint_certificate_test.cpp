@@ -175,7 +175,7 @@ TEST(CheckedRanges, HoldForFiltersWithinTheLimits) {
     const double theta = std::acos(c), least = std::max(0.0, theta - 1.5707963), most = 1.5707963;
     const double angle = exact || coin(random) ? std::clamp(std::atan2(q * std::sin(theta), p + q * c), least, most)
                                                : least + part(random) * (most - least);
-    CheckedSum sum(box.order, rows.smoothing());
+    CheckedSum sum(box.order, box.window);
     sum.delays.resize(2), sum.samples.resize(2);
     const proof::Tangent in{exact ? k : k + shift(random), coin(random), coin(random)},
         out{exact ? k - d : k - d - shift(random), coin(random), coin(random)};

@@ -186,7 +186,7 @@ TEST(CheckedWindows, CutsHoldForFiltersOfAnyOrder) {
     const int last = range.d2 + box.order + 1, at = std::clamp(k + shift, 0, last);
     range.k1 = std::max(0, at - wide(random)), range.k2 = std::min(last, at + wide(random));
     const double theta = std::acos(c), low = std::max(1e-9, theta - 1.5707963 + 1e-9), high = 1.5707963 - 1e-9;
-    CheckedSum sum(box.order, rows.smoothing());
+    CheckedSum sum(box.order, box.window);
     sum.delays.resize(3), sum.samples.resize(3);
     rows.add({proof::Error{j, low + part(random) * (std::min(high, theta + low) - low)}, 1.0}, box, sum);
     double value = 0.0;
@@ -211,7 +211,7 @@ TEST(CheckedWindows, VibrationHoldsForFiltersOfAnyOrder) {
     box.order = 40;
     for (int i = 0; i < 3; ++i) box.corners.push_back({0, 30, 0, 71});
     const CheckedRows rows(task);
-    CheckedSum sum(box.order, rows.smoothing());
+    CheckedSum sum(box.order, box.window);
     rows.add({proof::Vibration{0, frequency, 6.3 * part(random)}, 1.0}, box, sum);
     double value = 0.0;
     for (int i = 0; i <= filter.order(); ++i)
@@ -228,7 +228,7 @@ TEST(CheckedWindows, RowsOfTheEndsAreRejected) {
   box.order = 40;
   for (int i = 0; i < 3; ++i) box.corners.push_back({5, 5, 0, 46});
   const auto accepted = [&](const proof::Row& row) {
-    CheckedSum sum(box.order, rows.smoothing());
+    CheckedSum sum(box.order, box.window);
     sum.delays.resize(3), sum.samples.resize(3);
     try {
       rows.add({row, 1.0}, box, sum);

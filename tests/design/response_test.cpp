@@ -4,6 +4,7 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/design.hpp>
+#include <accdec/design/covered_part.hpp>
 #include <accdec/family.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/verify.hpp>
@@ -107,22 +108,27 @@ TEST(DesignBehindAServo, SeveralCornersAreProved) {
   }
 }
 
-/// Forces of the motion are linear in the taps. A slower servo smooths them, and needs more time for the error.
+/// Forces of the motion are linear in the taps. A proof of another force is none.
 TEST(DesignBehindAServo, ForcesAreProved) {
-  double before = 0.0;
   for (const double gain : {1000.0, 200.0}) {
-    const DesignResult result = proved(with_gain(of_forces(150.0), gain));
-    EXPECT_GT(result.objective(), before);
-    before = result.objective();
-    DesignResult forged = result;
-    for (Axis& axis : forged.task.machine.axes) axis.force_max = 300.0;
-    EXPECT_FALSE(check_certificate(forged.task, forged).accepted);
+    DesignResult result = proved(with_gain(of_forces(150.0), gain));
+    for (Axis& axis : result.task.machine.axes) axis.force_max = 300.0;
+    EXPECT_FALSE(check_certificate(result.task, result).accepted);
   }
   Task friction = with_gain(of_forces(190.0), 200.0);
   for (Axis& axis : friction.machine.axes) axis.coulomb = 40.0;
   friction.corners[0] = plane_corner("A", 60.0, 20.0, 0.1, 0.1);  // x reverses
   friction.corners[0].error_max = 50e-6;
   proved(friction);
+}
+
+TEST(DesignBehindAServo, TheLimitsWithoutAProofAreNamed) {
+  Task task = with_gain(of_forces(150.0), 200.0);
+  EXPECT_EQ(left_out(task), "");
+  task.machine.axes[1].power_max = 12.0;
+  EXPECT_EQ(left_out(task), "power behind a servo");
+  task.corners[0].speed_min = 0.01;
+  EXPECT_EQ(left_out(task), "power, the smallest speed behind a servo");
 }
 
 /// Powers and the control's smoothing: verified designs, with a bound where there is one.

@@ -76,10 +76,11 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
 double settling_time(const SampledMotion& m, const TaskCorner& corner, int order, int longer, double period) {
   if (longer == 0 || !corner.error_max) return 0.0;
   const Eigen::Index end = m.position.rows() - 1;
+  const double within = std::max(*corner.error_max, position_floor);  // less cannot be told from nothing
   int samples = longer;
   while (samples > 0) {
     const Eigen::Index row = m.stop + order + samples;
-    if ((m.position.row(row) - m.position.row(end)).norm() > *corner.error_max) break;
+    if ((m.position.row(row) - m.position.row(end)).norm() > within) break;
     --samples;
   }
   return samples * period;
