@@ -19,14 +19,14 @@ class Draw {
   }
 
   Task run() {
-    feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, is("several") || is("power") || is("regeneration") ? 3.0 : 7.0);
+    feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, several() || is("power") || is("regeneration") ? 3.0 : 7.0);
     task_.sample_period = 1e-3 * one_of({0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 20.0});
     task_.design.order_max = chance(0.15) ? whole(1, 6) : 24;
     if (chance(0.1)) task_.design.order_min = whole(1, std::min(task_.design.order_max, 5));
     task_.design.symmetric = is("symmetric");
     draw_axes();
     draw_corners();
-    if (is("weighted") || is("several")) {
+    if (is("weighted") || several()) {
       task_.design.runs = one_of({1.0, 1.0, 2.0, 0.5, 10.0});
       if (chance(0.3)) task_.design.objective = Objective::corner;
     }
@@ -39,6 +39,7 @@ class Draw {
     const bool convex = !is("power") && !is("regeneration") && !is("speed");
     if (is("smoothed") || (convex && chance(0.15))) draw_smoothing();
     if (is("given")) draw_filter();
+    if (is("in-position")) draw_in_position();
     return task_;
   }
 
@@ -50,6 +51,7 @@ class Draw {
     return values[static_cast<std::size_t>(whole(0, static_cast<int>(values.size()) - 1))];
   }
   bool is(std::string_view kind) const { return kind_ == kind; }
+  bool several() const { return is("several") || is("in-position"); }
 
   Axis axis() {
     Axis axis;
@@ -102,11 +104,11 @@ class Draw {
   }
 
   void draw_corners() {
-    const int count = is("several") ? 2 : 1;
+    const int count = is("in-position") && chance(0.2) ? 3 : several() ? 2 : 1;
     for (int j = 0; j < count; ++j) {
       double angle = 0.0;
       const CornerLegs shape = legs(angle);
-      const double in = feed_ * (j == 0 ? 1.0 : uniform(0.4, 1.0));
+      const double in = feed_ * (j == 0 || (is("in-position") && chance(0.2)) ? 1.0 : uniform(0.4, 1.0));
       const double out = in * (chance(0.6) ? 1.0 : uniform(0.4, 1.0));
       TaskCorner corner(std::string(1, static_cast<char>('A' + j)), shape, in, out,
                         static_cast<int>(task_.machine.axes.size()));
@@ -117,7 +119,7 @@ class Draw {
         corner.delay = whole(0, 6);
       else
         corner.error_max = scale * (chance(0.03) ? 0.0 : uniform(0.05, 1.3));
-      if (is("weighted") || is("several")) corner.weight = one_of({1.0, 1.0, 2.0, 5.0, 0.3});
+      if (is("weighted") || several()) corner.weight = one_of({1.0, 1.0, 2.0, 5.0, 0.3});
       if (is("speed")) corner.speed_min = std::min(in, out) * uniform(0.02, 0.5);
       task_.corners.push_back(std::move(corner));
     }
@@ -133,6 +135,13 @@ class Draw {
       spec.taps.push_back(1.0);
     }
     task_.filter = spec;
+  }
+
+  /// One width for all corners.
+  void draw_in_position() {
+    task_.settings.emplace();
+    task_.settings->delays = {DelayKind::in_position};
+    if (chance(0.2)) task_.settings->in_position_latency = whole(1, 3) * task_.sample_period;
   }
 
   /// The control's own, of taps that are not negative.

@@ -41,6 +41,12 @@ struct ErrorLimit {
       last;  ///< samples that can be nearest: before leg 2 has begun or after leg 1 is over all lead away
 };
 
+/// Samples that a control takes from within its in-position width to the next block.
+int latency_of(const Task& task);
+/// Whether some in-position width may give these delays. Corners of equal feeds then wait equally long, faster ones
+/// longer or as long, and none longer than the filtered motion.
+bool may_have_width(const Task& task, int order, const std::vector<int>& delays);
+
 /// By how many samples the control's own smoothing lengthens a motion.
 int smoothing_order(const Task& task);
 
@@ -49,7 +55,7 @@ int smoothing_order(const Task& task);
 struct Physics {
   Physics(const Task& task, int order, const std::vector<int>& delays);
 
-  Rows linear;      ///< velocity, acceleration, jerk, force over their bounds: |row . b| <= 1
+  Rows linear;      ///< velocity, acceleration, jerk, force over their bounds, in-position widths: |row . b| <= 1
   Rows cones;       ///< residual vibration over its bound: of each frequency two rows, together of length <= 1
   Rows velocities;  ///< m/s, of the limits that are not convex
   std::vector<PowerLimit> powers;
@@ -59,6 +65,7 @@ struct Physics {
 
  private:
   void add_corner(const Task& task, std::size_t j, int order, int delay);
+  void add_widths(const Task& task, const std::vector<int>& delays);
   void add_axis(const Axis& axis, const Rows& velocity, double period);
 };
 
