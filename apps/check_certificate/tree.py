@@ -97,7 +97,7 @@ class Tree:
         refuse_if(depth > 1000, "the tree is too deep")
         least, most = part.ranges["N"]
         if node is None and not window:
-            left = least <= most and all(low <= high for key, (low, high) in part.ranges.items() if key[-1] in "kc")
+            left = least <= most and all(low <= high for key, (low, high) in part.ranges.items() if key[-1] in "dkc")
             refuse_if(left, f"{part} is left out as too long, but is not")
             return
         refuse_if(most < least, "the tree goes on where every design is too long")

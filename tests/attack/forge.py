@@ -27,6 +27,7 @@ PROOFS = {
     "Enumeration": lambda c: c["kind"] == "enumeration",
     "BranchAndBound": lambda c: c["kind"] == "branch and bound",
     "FamilyEnumeration": lambda c: c["kind"] == "families",
+    "CornerFeeds": lambda c: c["kind"] == "corner feeds",
 }
 NODES = {
     "TooLong": lambda n: n is None,
@@ -55,6 +56,7 @@ ROWS = {
     "Response": _tag("response"),
     "Contour": _tag("contour"),
     "Reversal": _tag("reversal"),
+    "Width": _tag("width"),
 }
 
 
@@ -83,7 +85,7 @@ def places(certificate):
             for i, entry in enumerate(entries):
                 for name in (n for n, is_it in known.items() if is_it(entry)):
                     found.setdefault(name, []).append((entries, i))
-    for member in ("conflict", "corner_of"):
+    for member in ("conflict", "corner_of", "in_position"):
         if member in certificate:
             found[member] = [(certificate, member)]
     for lemma in certificate.get("lemmas", []):
@@ -91,6 +93,8 @@ def places(certificate):
             (lemma, "window" if "window" in lemma else "order")
         )
         found.setdefault("delays", []).append((lemma, "delays"))
+        if "from" in lemma:
+            found.setdefault("from", []).append((lemma, "from"))
     return found
 
 
@@ -172,6 +176,12 @@ TIGHT = {
 TIGHT["turning"] = _task(
     1.0, {"mass_kg": 34.0, "coulomb_N": 60.0, "force_max_N": 300.0}, (40.0, 50.0, 9000.0, 150.0)
 )
+# Delays of two corners by one in-position width.
+TIGHT["width"] = _task(1.0, {"acceleration_max_mm_s2": 6e3}, (95.0, 0.0, 6000.0, 40.0))
+TIGHT["width"]["corner"].append(
+    {"name": "B", "angle_deg": 60.0, "feed_in_mm_min": 4000.0, "error_max_um": 25.0, "weight": 2.0}
+)
+TIGHT["width"]["controller"] = {"delays": ["in-position"]}
 TIGHT["contour"]["corner"][0] |= {"feed_out_mm_min": 4000.0, "contour_max_um": 60.0}
 
 
@@ -182,8 +192,8 @@ def draw(rng, case):
     kind = kinds[case % 48 % len(kinds)]
     if case % 48 >= 45:
         return copy.deepcopy(SETTINGS)
-    if case % 48 in (43, 44):
-        kind = ("turning", "contour")[case % 48 - 43]
+    if case % 48 in (42, 43, 44):
+        kind = ("width", "turning", "contour")[case % 48 - 42]
     if kind in TIGHT:
         return copy.deepcopy(TIGHT[kind])
     base, *more = kind.split()
@@ -232,7 +242,7 @@ def run(attack):
         if ours != theirs:
             attack.fail(f"kinds that are not forged, or there no more: {sorted(ours ^ theirs)}")
     task_path, result_path, forged_path = (attack.path(f) for f in ("task.toml", "result.json", "forged.json"))
-    never = set().union(*known) | {"window", "order", "delays", "conflict", "corner_of"}
+    never = set().union(*known) | {"window", "order", "delays", "from", "conflict", "corner_of", "in_position"}
     while attack.more():
         rng = attack.rng()
         task = draw(rng, attack.case)

@@ -26,6 +26,20 @@ class Costs:
         return self.per_tap * (order + 1) + sum(w * d for w, d in zip(self.weights, delays))
 
 
+def width_rows(task, order, delays):
+    """Rows |row b| <= 1 that hold if one in-position width gives these delays; None: no filter of this order has one.
+    v_i p(d_i) <= w < v_j p(d_j - 1) for all corners, p(k) = sum b_i max(i - k, 0). So the faster never waits less."""
+    feeds, rows = [c["feed_in_mm_min"] for c in task["corner"]], [np.zeros((0, order + 1))]
+    if "controller" in task:
+        for (v, d), (u, e) in itertools.permutations(zip(feeds, delays), 2):
+            if v >= u and d < e or max(d, e) > order:
+                return None
+            row = v * np.maximum(np.arange(order + 1) - d, 0) - u * np.maximum(np.arange(order + 1) - e + 1, 0)
+            if e > 0 and u != v:
+                rows.append(1.0 + row[None] / np.abs(row).max())
+    return np.vstack(rows)
+
+
 class Order:
     """All corners of a task at one order: which delays and samples each allows by itself, and together."""
 
@@ -57,7 +71,8 @@ class Order:
         """Whether one filter holds all limits and brings the first corners within their tolerances at the samples
         `nearest`; limits and tolerances widened by `slack` (a share)."""
         motions = [self.motion(j, d) for j, d in enumerate(delays)]
-        rows = np.vstack([rows for _, rows, _ in motions]) / (1.0 + slack)
+        widths = width_rows(self.task, self.order, delays)
+        rows = np.vstack([widths, *(rows for _, rows, _ in motions)]) / (1.0 + slack)
         ends = [
             ([p[k] for p in motion.position], tolerance * (1.0 + slack))
             for (motion, _, tolerance), k in zip(motions, nearest)
@@ -99,7 +114,8 @@ def cheaper(task, bound):
             left -= weight * lists[-1][0]
         else:
             for delays in itertools.product(*lists):
-                if costs(order, delays) < bound * (1.0 - 1e-9):
+                possible = width_rows(task, order, delays) is not None
+                if possible and costs(order, delays) < bound * (1.0 - 1e-9):
                     yield at, delays
 
 
@@ -113,6 +129,8 @@ def draw(rng):
         "runs": rng.choice([1.0, 2.5, 7.0]),
         "order_max": 12,
     }
+    if rng.random() < 0.3:
+        task["controller"] = {"delays": ["in-position"]}
     return task
 
 

@@ -1,5 +1,6 @@
 """Rows that no shipped proof names. README.md of lib/accdec/certificate has the formulas."""
 from copy import copy
+from fractions import Fraction
 from math import floor
 
 from enclosure import BITS, ONE, PI, Enclosure, NotCovered, exact, refuse_if, square_root, turned
@@ -158,6 +159,19 @@ def contour(row, j, out):
     row.limit(corner.contour / row.problem.period / corner.fastest / corner.sine)
 
 
+def width(row, i, j):
+    """v_i p(e_i) <= v_j p(e_j - 1), e the delay less the latency: corner i at its longest, j at its shortest."""
+    problem, box = row.problem, row.box
+    refuse_if(not problem.one_width or problem.symmetric, "a row `width` for a control with other delays")
+    last = box.corners[j][0] - problem.latency - 1
+    refuse_if(last < 0, "a multiplier names the width before a corner that may not wait for it")
+    feeds = [problem.corners[c].feed_in for c in (i, j)]
+    for sample, feed in ((box.corners[i][1] - problem.latency, feeds[0]), (last, -feeds[1])):
+        for n, tap in enumerate(problem.response if problem.actual else problem.smoothing):
+            row.add(tap * (feed / max(feeds)), [max(k - sample + n, 0) for k in row.indices])
+    row.limit(Fraction(1, 10**9))
+
+
 def reversal_range(row, j, a):
     return row.box.ranges.get((j, a, "r"), ANY_SAMPLE)
 
@@ -231,12 +245,12 @@ def vibration(row, m, *at):
 
 KINDS |= {
     "acceleration": (acceleration, "ks"), "budget": (budget, ""), "range error": (range_error, "jxkbbkbb"),
-    "contour": (contour, "jb"), "reversal": (reversal, "jaks"), "speed": (speed, "jkxx"),
+    "contour": (contour, "jb"), "width": (width, "jj"), "reversal": (reversal, "jaks"), "speed": (speed, "jkxx"),
     "force start": (force, "ak", "start"), "force stop": (force, "ak", "stop"), "blend force": (force, "jaks", "blend"),
     "blend force_speed": (force_speed, "jaksks", "blend"),
     "force_speed start": (force_speed, "akk", "start"), "force_speed stop": (force_speed, "akk", "stop"),
     "vibration": (vibration, "mxx"), "damped vibration": (vibration, "mxxx"), "blend vibration": (vibration, "mjxxx"),
 }
-BEHIND_A_SERVO |= {"acceleration", "contour", "budget", "blend vibration", "force start", "force stop", "blend force",
-                   "force_speed start", "force_speed stop", "blend force_speed", "reversal"}
+BEHIND_A_SERVO |= {"acceleration", "contour", "budget", "blend vibration", "width", "force start", "force stop",
+                   "blend force", "force_speed start", "force_speed stop", "blend force_speed", "reversal"}
 IN_WINDOWS |= {"acceleration", "force_speed start", "force_speed stop", "blend force_speed"}

@@ -18,7 +18,7 @@ KEYS["mode"] |= {"axis", "residual_max_um"}
 KEYS["controller"] |= {"prefilter_taps", "corner_feed_step"}
 KEYS["design"] |= {"shaper", "shaper_frequency_step_Hz", "length_set_ms", "length_set_2_ms", "length_set_3_ms",
                    "time_constant_step_ms"}
-claim.MEMBERS["branch and bound"] |= {"corner_of", "smoothed"}
+claim.MEMBERS["branch and bound"] |= {"corner_of", "in_position", "smoothed"}
 claim.LISTS.add("corner_of")
 
 # lines: |F| + slope |v| <= bound up to the last speed; own: its number if no other axis may stand for it
@@ -89,6 +89,13 @@ def wide_task(narrow, task):
                       if f"{kind}_total_max_W" in machine}
     problem.symmetric = design.get("symmetric", False) is True
     problem.corner_feed_step = number(control.get("corner_feed_step", Fraction(1, 20)))
+    # The control delays every corner by one in-position width, if these are all its delays.
+    taps = "taps" in (design.get("family") or ["taps"])
+    kinds = control.get("delays") or []
+    problem.kinds = {kinds} if isinstance(kinds, str) else set(kinds)
+    problem.has_width = taps and problem.kinds == {"in-position"}
+    problem.latency = round(number(control.get("in_position_latency_ms", 0)) / 1000 / problem.period)
+    problem.actual, problem.one_width = control.get("in_position_of") == "actual", False
     problem.smooths = "prefilter_taps" in control
     problem.servo, problem.smoothing = problem.response, read_taps(control.get("prefilter_taps", [1]))
     problem.response = convolved(problem.smoothing, problem.servo)
@@ -125,6 +132,11 @@ def merge(problem, corner_of):
 def searched(narrow, problem, certificate, target):
     """The filter and the control's smoothing may be one filter, which may be any; corners may be merged."""
     problem, target = narrow(problem, certificate, target)
+    problem = copy(problem)
+    problem.one_width = certificate.get("in_position", False)
+    refuse_if(not isinstance(problem.one_width, bool), "`in_position` is not true or false")
+    others = not problem.has_width or any(corner.delay is not None for corner in problem.corners)
+    refuse_if(problem.one_width and others, "the certificate is about one in-position width, the control has others")
     smoothed = certificate.get("smoothed", False)
     refuse_if(not isinstance(smoothed, bool), f"{smoothed!r} stands where true or false should")
     if smoothed:

@@ -1,5 +1,5 @@
 """Nodes about symmetric filters. Such a filter becomes one of the part's order or of one less by zeros at both ends.
-Splits of contour times (j, "c") and of the samples at which an axis reverses (j, axis, "r")."""
+Splits of contour times (j, "c") and of the samples at which an axis reverses (j, axis, "r"). Delays by one width."""
 from fractions import Fraction
 
 from enclosure import number, refuse_if, whole
@@ -50,6 +50,63 @@ def reduced(narrow, self, ranges, window=False):
         low, high = ranges[j, "c"]
         part.ranges[j, "c"] = low, min(high, Fraction(part.order + 1 + self.limits.longer + d2))
     return part
+
+
+def by_width(problem, ranges, last):
+    """Delays that one width may give: from the latency on, up to the last. A faster corner waits as long or longer, as
+    v_i p(e_i) < v_j p(e_j - 1)."""
+    feeds, ends = [corner.feed_in for corner in problem.corners], {}
+    for j, feed in enumerate(feeds):
+        slower, faster = ([i for i, v in enumerate(feeds) if (v - feed) * way >= 0] for way in (-1, 1))
+        ends[j, "d"] = (max(problem.latency, *(ranges[i, "d"][0] for i in slower)),
+                        min([ranges[i, "d"][1] for i in faster] + ([] if last is None else [last])))
+    return ranges | ends
+
+
+@widens(Tree, "reduced")
+def reduced_by_width(narrow, self, ranges, window=False):
+    """From the filter's last tap on no way is left."""
+    if window or not self.problem.one_width:
+        return narrow(self, ranges, window)
+    ranges = by_width(self.problem, ranges, None)
+    part = narrow(self, ranges)
+    longer = self.limits.longer if self.problem.actual else len(self.problem.smoothing.lo) - 1
+    left = {key: ends for key, ends in part.ranges.items() if key[1:] == ("d",)}
+    return narrow(self, by_width(self.problem, ranges | left, part.order + longer + self.problem.latency))
+
+
+@widens(Tree, "root")
+def root_from(narrow, self):
+    ranges = narrow(self)
+    for j in range(len(self.problem.corners) if self.problem.one_width else 0):
+        low, high = ranges[j, "d"]
+        ranges[j, "d"] = low, high + self.problem.latency
+        self.all_samples(ranges, j, self.problem.order_max)
+    for j, least in self.least:
+        low, high = ranges[whole(j, 0, len(self.problem.corners) - 1), "d"]
+        ranges[j, "d"] = max(low, whole(least)), high
+    return ranges
+
+
+@widens(Tree, "lemma")
+def lemma_from(narrow, self, lemma):
+    """A lemma may be about delays of at least these."""
+    self.least = lemma.get("from", [])
+    narrow(self, lemma)
+    self.least = []
+
+
+@widens(Tree, "node")
+def node_of_lemma_from(narrow, self, ranges, depth, window):
+    node = self.tree[self.at] if self.at < len(self.tree) else None
+    if isinstance(node, list) and len(node) == 2 and node[0] == "lemma":
+        part, lemma = self.reduced(ranges, window), self.lemmas[whole(node[1], 0, self.known - 1)]
+        before = any(part.corners[j][0] < least for j, least in lemma.get("from", []))
+        refuse_if(before, f"{part} has shorter delays than lemma {node[1]}")
+    narrow(self, ranges, depth, window)
+
+
+Tree.least = []
 
 
 @widens(Tree, "halves")

@@ -16,6 +16,7 @@ class CheckedLeaves {
   CheckedLeaves(const Task& task, const std::vector<proof::Multipliers>& multipliers, const std::function<bool()>& stop)
       : rows_(task), multipliers_(multipliers), stop_(stop) {}
 
+  const CheckedRows& rows() const { return rows_; }
   /// Samples by which the machine's response lengthens the motion.
   int longer() const { return rows_.longer(); }
   /// @param symmetric  only symmetric filters of exactly the box's order are to be refuted

@@ -37,6 +37,7 @@ struct CheckedBox {
   int order_least = 0, order_most = -1;  ///< from splits on the order
   std::optional<double> budget;          ///< upper bound on what the target leaves of sum_j w_j (d_j - d1_j)
   std::optional<CheckedTube> tube;       ///< only if a row needs it
+  bool in_position = false;              ///< one width gives the delays of all corners
   bool window = false;                   ///< filters of any order: the first and the last tap stand for many
   bool nothing_left = false;             ///< the tube is empty: no filter is in the box
 
@@ -120,6 +121,12 @@ class CheckedRows {
   double tap_max() const { return bounds_.tap_max(); }
   /// Samples by which the machine's response lengthens the motion.
   int longer() const { return response_.longer(); }
+  /// Samples of the control between an in-position width and the next block.
+  int latency() const;
+  /// Cuts the delays of a box to those that one width may give to corners of these feeds.
+  void order_delays(CheckedBox& box) const;
+  /// The same with the box's order, after which no leg has any way left.
+  void end_delays(CheckedBox& box) const;
   /// Bounds on the responses in a box; none if no filter is left.
   std::optional<CheckedTube> tube(const CheckedBox& box) const;
   /// Adds a row times its multiplier.
@@ -130,7 +137,8 @@ class CheckedRows {
   Interval period() const { return Interval(task_.sample_period); }
   const TaskCorner& corner(int j) const;
   const Axis& axis(int a) const;
-  // One function per kind of rows; rows over ranges are in checked_ranges.cpp, chords in checked_chords.cpp.
+  // One function per kind of rows; rows over ranges are in checked_ranges.cpp, chords in checked_chords.cpp, widths in
+  // checked_width.cpp.
   void add_row(const proof::TapDifference& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::EventForce& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Blend& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
@@ -138,6 +146,7 @@ class CheckedRows {
   void add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Contour& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Reversal& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
+  void add_row(const proof::Width& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Budget& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::Vibration& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;
   void add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const;

@@ -9,6 +9,7 @@
 #include <accdec/certificate/checked_leaves.hpp>
 #include <accdec/certificate/checked_parts.hpp>
 #include <accdec/certificate/constant_feed.hpp>
+#include <accdec/certificate/corner_feed_check.hpp>
 #include <accdec/certificate/corner_speed_check.hpp>
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/merged_corners.hpp>
@@ -44,12 +45,14 @@ class Checker {
   /// All designs.
   CheckedBox root() const {
     CheckedBox root;
+    root.in_position = proof_.in_position;
     root.order_most = task_.design.order_max;
     for (const TaskCorner& c : task_.corners) {
       // From d = N + 2 on nothing changes, as no limit is on more than a first difference; nor from k = N + d + 1 on.
       static_assert(most_differences == 1);
-      // A response delays both by its length.
-      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2 + leaves_.longer());
+      // A response delays both by its length, in-position by its latency.
+      const int more = leaves_.longer() + (proof_.in_position ? leaves_.rows().latency() : 0);
+      const int d1 = c.delay.value_or(0), d2 = c.delay.value_or(task_.design.order_max + 2 + more);
       const int last = d2 + task_.design.order_max + 1 + leaves_.longer();
       root.corners.push_back({d1, d2, 0, last, 0.0, static_cast<double>(last)});
     }
@@ -72,6 +75,13 @@ class Checker {
       r.d2 = std::min(r.d2, d.delay);
       if (r.d2 < r.d1) throw Rejected("a lemma names a delay that its corner cannot have");
       r.k2 = r.d2 + task_.design.order_max + 1 + leaves_.longer();
+    }
+    for (const proof::CornerDelay& d : l.from) {
+      if (d.corner < 0 || d.corner >= static_cast<int>(box.corners.size()))
+        throw Rejected("a lemma names a corner that is not there");
+      CheckedRange& r = box.corners[static_cast<std::size_t>(d.corner)];
+      r.d1 = std::max(r.d1, d.delay);
+      if (r.d2 < r.d1) throw Rejected("a lemma names a delay that its corner cannot have");
     }
     if (!l.window) {
       box.order_most = std::min(box.order_most, l.order);
@@ -114,6 +124,8 @@ class Checker {
     bool covers = l.window || box.order <= l.order;
     for (const proof::CornerDelay& d : l.delays)
       covers = covers && box.corners[static_cast<std::size_t>(d.corner)].d2 <= d.delay;
+    for (const proof::CornerDelay& d : l.from)
+      covers = covers && box.corners[static_cast<std::size_t>(d.corner)].d1 >= d.delay;
     if (!covers) throw Rejected(fmt::format("{} is not what lemma {} is about", describe(box), n.lemma));
   }
 
@@ -147,7 +159,9 @@ class Checker {
   void node(CheckedBox box, int depth) {
     const proof::Node& entry = nodes_.next(depth);
     const CheckedBox whole = box;
+    if (box.in_position) leaves_.rows().order_delays(box);
     box.order = largest_order(box);
+    if (box.in_position && box.order >= 0) leaves_.rows().end_delays(box);
     if (box.order >= 0) {
       for (CheckedRange& r : box.corners) {
         // At the last sample the motion has ended: what holds later holds there.
@@ -157,8 +171,9 @@ class Checker {
       }
     }
     const bool too_long = std::holds_alternative<proof::TooLong>(entry);
-    const bool empty = box.order < 0 || std::any_of(box.corners.begin(), box.corners.end(),
-                                                    [](const CheckedRange& r) { return r.k1 > r.k2 || r.c1 > r.c2; });
+    const bool empty = box.order < 0 || std::any_of(box.corners.begin(), box.corners.end(), [](const CheckedRange& r) {
+                         return r.d1 > r.d2 || r.k1 > r.k2 || r.c1 > r.c2;
+                       });
     if (too_long && !empty) throw Rejected(fmt::format("{} is left out as too long, but is not", describe(box)));
     if (too_long) return;
     if (box.order < 0) throw Rejected("the tree goes on where every design is too long");
@@ -289,6 +304,14 @@ std::string check(const proof::BranchAndBound& proof, const Task& task, const De
   if (std::isinf(target)) return fmt::format("{} parts refuted: nothing holds all limits", leaves);
   return fmt::format("{} parts refuted: no {} time is shorter than {:.9g} s, within the tolerance of the verification",
                      leaves, to_string(task.design.objective), target * task.sample_period);
+}
+
+std::string check(const proof::CornerFeeds& proof, const Task& task, const DesignResult& result,
+                  const std::function<bool()>& stop) {
+  return check_corner_feeds(proof, task, result,
+                            [&](const proof::BranchAndBound& orders, const Task& at, const DesignResult& bound) {
+                              check(orders, at, bound, stop);
+                            });
 }
 
 std::string check(const proof::FamilyEnumeration& proof, const Task& task, const DesignResult& result,

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <accdec/certificate/checked_rows.hpp>
@@ -17,6 +19,9 @@ std::string other_question(const Task& task, const proof::BranchAndBound& proof)
   if (proof.tolerance != granted_tolerance)
     return fmt::format("the certificate is about limits widened by {:.3g}, verification grants {:.3g}", proof.tolerance,
                        granted_tolerance);
+  const bool given = std::ranges::any_of(task.corners, [](const TaskCorner& c) { return c.delay.has_value(); });
+  if (proof.in_position && (!task.settings || task.settings->delays != std::vector{DelayKind::in_position} || given))
+    return "the certificate is about delays by one in-position width, the task's control may have others";
   if (may_pass_slower(task))
     return "the certificate is about corners at their feeds, the task's control may pass them at a part of the feed";
   if (proof.objective != Objective::cycle || proof.runs == task.design.runs) return {};

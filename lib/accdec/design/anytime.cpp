@@ -10,6 +10,7 @@
 #include <accdec/design/covered_part.hpp>
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/design/larger_order.hpp>
+#include <accdec/design/merged_result.hpp>
 #include <accdec/design/smoothed_bound.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
@@ -302,31 +303,6 @@ class Anytime {
   std::string local_message_;
 };
 
-/// The proof of a merged task as a proof of the whole task.
-std::shared_ptr<const Certificate> of_whole(const Certificate& certificate, const MergedTask& merged) {
-  Certificate whole = certificate;
-  if (auto* proof = std::get_if<proof::BranchAndBound>(&whole.proof)) proof->corner_of = merged.of;
-  return std::make_shared<Certificate>(std::move(whole));
-}
-
-/// The result of a merged task as a result of the whole task; none if rounding makes a difference.
-std::optional<DesignResult> expand(const Task& task, const MergedTask& merged, const DesignResult& found) {
-  DesignResult result = found;
-  if (found.has_design()) {
-    std::vector<int> delays;
-    for (const CornerResult& c : found.corners) delays.push_back(c.delay);
-    result = assess(task, *found.filter, merged.expand(delays), false);
-    if (!result.has_design()) return std::nullopt;
-    result.status = found.status, result.stop = found.stop, result.message = found.message;
-    result.solver = found.solver, result.gap = found.gap;
-    // The same sum in another order.
-    result.lower_bound = found.status == Status::optimal ? result.objective() : found.lower_bound;
-  }
-  result.task = task;
-  if (found.certificate) result.certificate = of_whole(*found.certificate, merged);
-  return result;
-}
-
 DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
   Anytime anytime(task, options);
   try {
@@ -379,7 +355,7 @@ DesignResult design_anytime(const Task& task, const DesignOptions& options) {
   const MergedTask merged = merge_equal_corners(task);
   if (!merged.smaller()) return design_as_it_is(task, options);
   const DesignResult found = design_as_it_is(merged.task, options);
-  if (auto result = expand(task, merged, found)) return *result;
+  if (auto result = of_whole_task(task, merged, found)) return *result;
   DesignOptions rest = options;
   rest.time_limit = std::max(1e-3, options.time_limit - found.solver.wall_time);
   return design_as_it_is(task, rest);

@@ -5,12 +5,16 @@
 #include <vector>
 
 #include <accdec/design/anytime.hpp>
+#include <accdec/design/corner_feed_taps.hpp>
 #include <accdec/design/design_settings.hpp>
+#include <accdec/design/merged_result.hpp>
 #include <accdec/design/taps_of_kinds.hpp>
+#include <accdec/exact/exact.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/delay_kinds.hpp>
+#include <accdec/task/equal_corners.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
 
@@ -164,6 +168,23 @@ void offer_one_kind(const Task& any, bool stops, const DesignOptions& options, C
     cheapest.offer_taps(design_for_one_kind(task, stops, options));
 }
 
+/// Whether the exact method knows the delays: several corners of one in-position width. A single corner may have any.
+bool is_one_width(const Task& task) {
+  return task.settings->delays == std::vector{DelayKind::in_position} && task.corners.size() > 1 &&
+         !task.design.symmetric && exact_covers(task);
+}
+
+/// The best filter with one in-position width for all corners, with its bound.
+DesignResult design_one_width(const Task& task, const DesignResult& best, const DesignOptions& options,
+                              double seconds) {
+  ExactOptions exact = exact_options(options, seconds);
+  if (best.has_design()) exact.start = best.filter;
+  const MergedTask merged = merge_equal_corners(task);
+  if (!merged.smaller()) return design_exact(task, exact);
+  const DesignResult found = design_exact(merged.task, exact);
+  return of_whole_task(task, merged, found).value_or(DesignResult());
+}
+
 /// Filters made for the delays that the best has so far, and for shorter ones: of several corners with one width, few
 /// filters have such delays.
 void offer_for_delays(const Task& any, const DesignOptions& options, Cheapest& cheapest) {
@@ -215,7 +236,8 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   Task any = task;
   any.settings.reset();
   DesignOptions within = options;
-  within.time_limit = 0.6 * options.time_limit;
+  const bool one_width = is_one_width(task);
+  within.time_limit = (one_width ? 0.3 : 0.6) * options.time_limit;
   const DesignResult taps = one_kind ? design_for_one_kind(task, stops, within) : design_task(any, within);
   const bool slows = control.names(DelayKind::corner_feed);
   if (taps.status == Status::infeasible && !slows) {
@@ -236,17 +258,40 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
     if (stops) offer_one_kind(any, true, within, cheapest);
     if (control.names(DelayKind::in_position)) offer_for_delays(any, within, cheapest);
   }
+  DesignResult proof = taps;
+  if (!met && one_width && left() > 1e-3) {
+    DesignResult found = design_one_width(task, cheapest.best(), options, left());
+    cheapest.offer_taps(found);
+    const bool tells = found.certificate && (found.status == Status::infeasible || found.lower_bound);
+    if (tells && (!taps.lower_bound || found.lower_bound.value_or(unlimited) > *taps.lower_bound))
+      proof = std::move(found);
+  }
+  std::optional<CornerFeedBound> slow;
+  if (slows) {
+    const auto samples = [&] {
+      return cheapest.best().has_design() ? cheapest.best().objective() / task.sample_period : unlimited;
+    };
+    slow = prove_corner_feeds(task, options, left(), samples(), [&](const Filter& filter) {
+      cheapest.offer_taps(filter);
+      return samples();
+    });
+  }
+  if (proof.status == Status::infeasible && !slows) {
+    proof.task = task;
+    return proof;
+  }
   DesignResult result = cheapest.best();
   result.task = task;
-  result.solver = taps.solver, result.stop = taps.stop;
+  result.solver = proof.solver, result.stop = proof.stop;
   result.solver.wall_time = seconds_since(began);
   if (!result.has_design()) {
     result.status = Status::failed;
     result.message = "no filter was found that holds all limits with delays of these kinds";
     return result;
   }
-  if (!slows && taps.lower_bound && taps.certificate) {
-    result.lower_bound = taps.lower_bound, result.certificate = taps.certificate;
+  if (slow) proof.lower_bound = slow->samples * task.sample_period, proof.certificate = slow->certificate;
+  if ((slow || !slows) && proof.lower_bound && proof.certificate) {
+    result.lower_bound = proof.lower_bound, result.certificate = proof.certificate;
     judge_gap(result);
     const bool member = result.settings->family != SettingFamily::taps;
     if (member && result.status == Status::optimal) result.family_bound = result.objective();

@@ -2,11 +2,13 @@
 #include <cmath>
 
 #include <accdec/exact/box.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/task/objective.hpp>
 
 namespace accdec::exact {
 
 bool tighten(const Task& task, double target, Box& box) {
+  if (by_one_width(task) && !box.window && !order_by_width(task, box.corners)) return false;
   const LinearCost cost = cost_of(task);
   double value = 0.0;
   for (std::size_t j = 0; j < box.corners.size(); ++j) value += cost.delay[j] * box.corners[j].d1;
@@ -25,7 +27,7 @@ bool tighten(const Task& task, double target, Box& box) {
       box.corners[j].d2 = std::min(box.corners[j].d2, box.corners[j].d1 + more);
     }
   }
-  return box.order >= least;
+  return box.order >= least && cut_by_width(task, box);
 }
 
 }  // namespace accdec::exact

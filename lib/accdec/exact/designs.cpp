@@ -2,7 +2,9 @@
 #include <limits>
 
 #include <accdec/exact/designs.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/relaxation.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/verify.hpp>
@@ -29,6 +31,8 @@ Filter trimmed(const Filter& filter, const Task& task) {
 void Designs::consider(Filter filter, const std::vector<int>& delays) {
   const double value = cost_of(task())(filter.order(), delays);
   if (best && value >= best->value * (1.0 - 1e-12)) return;
+  const bool widths = by_one_width(task());
+  if (widths && !width_of(filter, task(), delays, std::vector<bool>(delays.size(), true))) return;
   if (verify_by_simulation(task(), filter, delays).feasible) best = Candidate{std::move(filter), delays, value};
 }
 
@@ -71,8 +75,12 @@ void Designs::offer(Filter filter) {
   }
   filter = trimmed(filter, task());
   if (filter.order() < task().design.order_min || filter.order() > task().design.order_max) return;
-  const auto delays = delays_by_formula(filter, task(), best ? best->value : std::numeric_limits<double>::infinity());
-  if (delays) consider(std::move(filter), *delays);
+  const double below = best ? best->value : std::numeric_limits<double>::infinity();
+  if (by_one_width(task())) {
+    if (const auto found = delays_of_kinds(filter, task(), below)) consider(std::move(filter), found->delays);
+  } else if (const auto delays = delays_by_formula(filter, task(), below)) {
+    consider(std::move(filter), *delays);
+  }
 }
 
 }  // namespace accdec::exact

@@ -54,8 +54,7 @@ DesignResult ExactRun::conclude() {
   if (!done_.infeasible) explain(result);
   result.solver.method = "exact";
   result.solver.name = "dual simplex", result.solver.version = "accdec";
-  if (options_.certificate && search_.proof.target > 0.0)
-    result.certificate = exact::certify(search_.proof, task_.design);
+  if (options_.certificate && search_.proof.target > 0.0) result.certificate = exact::certify(search_.proof, task_);
   return result;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 /// Whether a lemma implies another one.
 bool says(const JointLemma& lemma, const JointLemma& other) {
-  return lemma.order >= other.order &&
+  return lemma.from.empty() && lemma.order >= other.order &&
          std::all_of(lemma.delays.begin(), lemma.delays.end(), [&](const proof::CornerDelay& d) {
            return std::any_of(other.delays.begin(), other.delays.end(), [&](const proof::CornerDelay& its) {
              return its.corner == d.corner && its.delay <= d.delay;
@@ -29,9 +29,14 @@ int JointLemma::delay_at(int corner) const {
   return std::find_if(delays.begin(), delays.end(), [&](const auto& d) { return d.corner == corner; })->delay;
 }
 
+bool JointLemma::reaches(const JointNode& node) const {
+  return std::equal(from.begin(), from.end(), node.d1.begin(), [](int least, int d) { return least <= d; });
+}
+
 JointLemmas::Judgement JointLemmas::judge(std::size_t lemma, const JointNode& node) const {
   int open = 0, corner = -1;
   double least = std::numeric_limits<double>::infinity(), most = -1.0;
+  if (!lemmas_[lemma].reaches(node)) return {};
   for (const auto& [j, delay] : lemmas_[lemma].delays) {
     const auto i = static_cast<std::size_t>(j);
     if (node.d1[i] > delay) return {};

@@ -11,17 +11,21 @@
 
 namespace accdec::exact {
 
-/// A proved statement, "no filter up to this order has delays up to these at these corners", and its proof.
+/// A proved statement, "no filter up to this order has delays up to these at these corners", and its proof. With one
+/// in-position width also of delays from others on.
 struct JointLemma {
   int order = 0;
   bool wide = false;  ///< of any order, through a window
   int prover = 0;     ///< whose multipliers the tree names
   std::vector<proof::CornerDelay> delays;
+  std::vector<int> from{};  ///< least delays, one per corner; empty: any
   std::vector<proof::Node> tree;
 
   /// The longest delays it forbids, one per corner; < 0: the corner does not count.
   std::vector<int> most(std::size_t corners) const;
   int delay_at(int corner) const;
+  /// Whether all delays of a node are at least its least ones.
+  bool reaches(const JointNode& node) const;
 };
 
 /// All lemmas, in the order in which they were learned.

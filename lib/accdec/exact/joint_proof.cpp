@@ -75,6 +75,7 @@ class JointProofWriter {
     proof::Lemma to;
     to.delays = from.delays;
     to.tree = from.tree;
+    for (std::size_t j = 0; j < from.from.size(); ++j) to.from.push_back({static_cast<int>(j), from.from[j]});
     if (from.wide) {
       const int anchor = window_.anchor(from.most(window_.at.size()));
       to.window = proof::Window{window_.order, anchor, window_.at[static_cast<std::size_t>(anchor)]};

@@ -4,6 +4,7 @@
 #include <accdec/exact/box.hpp>
 #include <accdec/exact/joint_tree.hpp>
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/servo_ramps.hpp>
 #include <accdec/machine/limits.hpp>
 
@@ -24,13 +25,16 @@ std::pair<JointNode, JointNode> JointNode::parts(int split_corner, int split_at)
 }
 
 JointTree::JointTree(const Task& task, int most_short)
-    : task_(task), cost_(cost_of(task)), most_short_(most_short), nodes_{root(task)} {}
+    : task_(task), cost_(cost_of(task)), ramps_(task), most_short_(most_short), nodes_{root(task)} {
+  order(nodes_.front());
+}
 
 JointNode JointTree::root(const Task& task) {
   JointNode root;
   for (const TaskCorner& c : task.corners) {
     root.d1.push_back(c.delay.value_or(0));
-    root.d2.push_back(c.delay.value_or(task.design.order_max + settling + ServoRamps(task).longer()));
+    root.d2.push_back(
+        c.delay.value_or(task.design.order_max + settling + ServoRamps(task).longer() + width_latency(task)));
   }
   root.n1 = std::max(task.design.order_min, 0);
   root.n2 = task.design.order_max;
@@ -40,16 +44,26 @@ JointNode JointTree::root(const Task& task) {
 int JointTree::order_left(JointNode& node, double target) const {
   Box box;
   for (std::size_t j = 0; j < node.d1.size(); ++j) box.corners.push_back({node.d1[j], node.d2[j], 0, 0});
+  box.servo = ramps_.ideal() ? nullptr : &ramps_;
   box.order_least = node.n1;
   box.order_most = node.n2;
   if (!tighten(task_, target, box)) return -1;
-  for (std::size_t j = 0; j < node.d1.size(); ++j) node.d2[j] = box.corners[j].d2;
+  for (std::size_t j = 0; j < node.d1.size(); ++j) node.d1[j] = box.corners[j].d1, node.d2[j] = box.corners[j].d2;
   return box.order;
+}
+
+void JointTree::order(JointNode& node) const {
+  if (!by_one_width(task_)) return;
+  std::vector<CornerBox> corners;
+  for (std::size_t j = 0; j < node.d1.size(); ++j) corners.push_back({node.d1[j], node.d2[j], 0, 0});
+  order_by_width(task_, corners);
+  for (std::size_t j = 0; j < node.d1.size(); ++j) node.d1[j] = corners[j].d1;
 }
 
 void JointTree::split(int index, int corner, int at) {
   JointNode& whole = (*this)[index];
   auto [first, second] = whole.parts(corner, at);
+  order(first), order(second);
   whole.d1.clear(), whole.d2.clear();
   whole.corner = corner;
   whole.at = at;

@@ -5,6 +5,7 @@
 #include <queue>
 #include <vector>
 
+#include <accdec/exact/servo_ramps.hpp>
 #include <accdec/task.hpp>
 #include <accdec/task/objective.hpp>
 
@@ -68,8 +69,12 @@ class JointTree {
   };
   std::size_t group_of(int node) const { return (*this)[node].n1 > most_short_ ? 1 : 0; }
 
+  /// Delays by one in-position width: cuts those that no width gives beside the others.
+  void order(JointNode& node) const;
+
   const Task& task_;
   LinearCost cost_;
+  ServoRamps ramps_;
   int most_short_;
   std::vector<JointNode> nodes_;
   std::array<std::priority_queue<Open>, 2> open_;  ///< short filters, long filters

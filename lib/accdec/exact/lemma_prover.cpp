@@ -3,6 +3,7 @@
 
 #include <accdec/exact/lemma_prover.hpp>
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/exact/one_width.hpp>
 
 namespace accdec::exact {
 namespace {
@@ -108,7 +109,8 @@ bool LemmaProver::extend(JointWork& work, const JointTree& tree, const JointLemm
     std::size_t chosen = lemmas.size();
     double best = -1.0;
     for (std::size_t l = 0; l < lemmas.size(); ++l) {
-      if (lemmas[l].order >= work.order || lemmas.given_up(l, work.order) || failed[l] != 0) continue;
+      if (!lemmas[l].from.empty() || lemmas[l].order >= work.order || lemmas.given_up(l, work.order) || failed[l] != 0)
+        continue;
       const JointLemmas::Judgement is = lemmas.judge(l, tree[work.node]);
       if (is.verdict == JointLemmas::Verdict::satisfied) continue;
       if (is.increase > best) best = is.increase, chosen = l;
@@ -142,7 +144,30 @@ void LemmaProver::check(JointWork& work, const JointTree& tree, double target) {
     return;
   }
   if (some_.best()->value < target * (1.0 - 1e-12)) return;
+  if (by_one_width(task_) && check_width(work, at, target)) return;
   work.undecided = !stop_();
+}
+
+/// Some filter holds the delays, but perhaps none with which one width gives them. The proof is for these delays alone,
+/// and then for longer ones of all corners of a feed, as far as it still holds.
+bool LemmaProver::check_width(JointWork& work, const JointNode& at, double target) {
+  std::vector<int> most = at.d1;
+  TogetherSearch::Answer answer = some_.refute(work.order, most, no_budget, {}, at.d1);
+  if (!answer.refuted) return some_.best()->value < target * (1.0 - 1e-12);
+  for (std::size_t j = 0; j < most.size() && !stop_(); ++j) {
+    const double feed = task_.corners[j].geometry().feed_in;
+    const auto same = [&](const TaskCorner& c) { return c.geometry().feed_in == feed; };
+    const auto here = task_.corners.begin() + static_cast<std::ptrdiff_t>(j);
+    if (std::any_of(task_.corners.begin(), here, same)) continue;
+    std::vector<int> longer = most;
+    for (std::size_t i = 0; i < most.size(); ++i) longer[i] += same(task_.corners[i]) ? 1 : 0;
+    const long budget = attempt + static_cast<long>(answer.tree.size());
+    TogetherSearch::Answer more = some_.refute(work.order, longer, budget, answer.tree, at.d1);
+    if (more.refuted) answer.tree = std::move(more.tree), most = std::move(longer);
+  }
+  work.lemma = lemma(false, work.order, most, std::move(answer.tree));
+  work.lemma->from = at.d1;
+  return true;
 }
 
 /// Leaves out corners that the proof does not need. Those whose delays are cheap to raise are tried first.

@@ -47,6 +47,7 @@ class LemmaProver {
  private:
   bool extend(JointWork& work, const JointTree& tree, const JointLemmas& lemmas);
   void check(JointWork& work, const JointTree& tree, double target);
+  bool check_width(JointWork& work, const JointNode& at, double target);
   std::optional<JointLemma> longest_refuted(std::size_t corner, bool wide, int shorter, int low, int high);
   JointLemma learn(const JointNode& node, double room, bool wide, int order, std::vector<proof::Node> tree);
   void leave_out(std::vector<std::size_t>& corners, std::vector<int>& most, bool wide, int order, long budget,

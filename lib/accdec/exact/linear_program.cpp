@@ -141,6 +141,8 @@ bool LinearProgram::carry_over(int row, const Box& box, bool symmetric) {
     if (box.budget) draft = &drafts_.budget(box);
   } else if (const auto* contour = limit_of<proof::Contour>(name)) {
     draft = drafts_.contour(*contour, box);
+  } else if (const auto* width = limit_of<proof::Width>(name)) {
+    draft = drafts_.width(*width, box);
   } else if (!active) {
     return false;
   } else if (limit_of<proof::EventForce>(name) != nullptr) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <accdec/exact/linear_program.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/window.hpp>
 #include <accdec/machine.hpp>
 
@@ -78,6 +79,12 @@ bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
     added |= (!kind_.window || inside_window(id, box, model_.rows)) && add_limit(id, box);
   if (!kind_.window) {
     for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
+  }
+  std::optional<Filter> made;
+  const auto width = broken_width(model_.task(), filter, model_.rows.smoothing().command(filter, made), box);
+  if (width && !names_.known(proof::Row(*width))) {
+    add(*drafts_.width(*width, box), proof::Row(*width));
+    added = true;
   }
   return cut_vibration(filter, box) || added;
 }

@@ -1,12 +1,14 @@
 #include <cmath>
 
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/search.hpp>
 
 namespace accdec::exact {
-std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design) {
+std::shared_ptr<const Certificate> certify(const Proof& proof, const Task& task) {
   proof::BranchAndBound out;
-  out.objective = design.objective;
-  out.runs = design.runs;
+  out.objective = task.design.objective;
+  out.runs = task.design.runs;
+  out.in_position = by_one_width(task);
   if (std::isfinite(proof.target)) out.bound_samples = proof.target;
   out.conflict = proof.conflict;
   // Splits that were tried but not taken leave multipliers that no leaf uses.

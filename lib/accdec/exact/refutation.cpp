@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <accdec/exact/limit_model.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/range_cut.hpp>
 #include <accdec/exact/reversal.hpp>
 #include <accdec/machine/limits.hpp>
@@ -100,6 +101,14 @@ class WeightedSum {
       sum_.designed()[static_cast<std::size_t>(i)] +=
           y * (id.out ? model_.scale_out(j) * box_.contour_out(j, i) : model_.scale_in(j) * box_.contour_in(j, i));
     return counts(y, y * model_.contour_bound(j));
+  }
+
+  bool add(const proof::Width& id, double y) {
+    const auto row = width_row(model_.task(), id, exact_box_);
+    if (!row) return false;
+    const std::span<double> taps = row->actual ? sum_.designed() : sum_.command();
+    for (std::size_t i = 0; i < taps.size(); ++i) taps[i] += y * row->weight(exact_box_, static_cast<int>(i));
+    return counts(y, y * width_granted);
   }
 
   bool add(const proof::Budget&, double y) {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/exact/dual_simplex.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/range_cut.hpp>
 #include <accdec/exact/reversal.hpp>
 #include <accdec/exact/row_drafts.hpp>
@@ -140,6 +141,23 @@ const DraftRow& RowDrafts::budget(const Box& box) {
   draft_.low = -DualSimplex::infinity;
   draft_.high = *box.budget;
   return draft_;
+}
+
+const DraftRow* RowDrafts::width(const proof::Width& id, const Box& box) {
+  const auto row = width_row(model_.task(), id, box);
+  if (!row) return nullptr;
+  draft_.clear();
+  clear_command();
+  if (row->actual) {
+    for (int i = 0; i <= box.order; ++i) draft_.add(i, row->weight(box, i));
+  } else {
+    const int last = box.order + model_.rows.smoothing().order();
+    for (int i = 0; i <= last; ++i) on_command_[static_cast<std::size_t>(i)] = row->weight(box, i);
+    add_command();
+  }
+  draft_.low = -DualSimplex::infinity;
+  draft_.high = -width_margin;
+  return &draft_;
 }
 
 const DraftRow* RowDrafts::again(const proof::Error& id, const Box& box) {

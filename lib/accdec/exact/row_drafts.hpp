@@ -51,6 +51,8 @@ class RowDrafts {
   const DraftRow& range_cone(const proof::RangeError& id, const Box& box);
   const DraftRow& vibration(const proof::Vibration& id, const Box& box);
   const DraftRow& budget(const Box& box);
+  /// Null: it says nothing in this box.
+  const DraftRow* width(const proof::Width& id, const Box& box);
 
   // The row of a cut in a new box; null: it says nothing there. A chord becomes that of the new box.
   const DraftRow* again(const proof::Error& id, const Box& box);

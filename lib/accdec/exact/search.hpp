@@ -15,8 +15,8 @@ namespace accdec::exact {
 /// are now too long, and multipliers that no leaf needs. None if a part is no longer refuted because of rounding. In
 /// prune.cpp.
 std::optional<Proof> pruned(const LimitModel& model, const Box& root, const Proof& proof);
-/// The proof with the objective it is about, without multipliers that no leaf needs. In proof.cpp.
-std::shared_ptr<const Certificate> certify(const Proof& proof, const DesignBounds& design);
+/// The proof with the objective and the delays it is about, without multipliers that no leaf needs. In proof.cpp.
+std::shared_ptr<const Certificate> certify(const Proof& proof, const Task& task);
 
 /// Looks for a design shorter than a target, or proves that there is none. A box is a part of all designs: a range of
 /// the order, and ranges of every corner's delay and nearest sample.

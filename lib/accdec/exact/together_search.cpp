@@ -3,6 +3,7 @@
 
 #include <accdec/exact/contour_path.hpp>
 #include <accdec/exact/corner_error.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/parts.hpp>
 #include <accdec/exact/reversal.hpp>
 #include <accdec/exact/sum_search.hpp>
@@ -151,7 +152,7 @@ BoxState TogetherSearch::both_like(const std::vector<proof::Node>& tree, std::si
 }
 
 TogetherSearch::Answer TogetherSearch::refute(int order, const std::vector<int>& most, long budget,
-                                              const std::vector<proof::Node>& like) {
+                                              const std::vector<proof::Node>& like, const std::vector<int>& from) {
   bench_.set_target(std::numeric_limits<double>::infinity());
   bench_.draft().take_tree();
   if (window_.order > 0) order = window_.order;
@@ -160,12 +161,14 @@ TogetherSearch::Answer TogetherSearch::refute(int order, const std::vector<int>&
   among_.assign(box.corners.size(), 0);
   for (std::size_t j = 0; j < most.size(); ++j) {
     if (most[j] < 0) {
-      if (!bench_.task().corners[j].delay) box.corners[j].d2 = order + settling + box.longer();
+      if (!bench_.task().corners[j].delay)
+        box.corners[j].d2 = order + settling + box.longer() + width_latency(bench_.task());
       box.corners[j].k2 = box.corners[j].d2 + order + 1 + box.longer();
       continue;
     }
     among_[j] = 1;
     box.corners[j].d2 = std::min(box.corners[j].d2, most[j]);
+    if (!from.empty()) box.corners[j].d1 = std::max(box.corners[j].d1, from[j]);
     box.corners[j].k2 = box.corners[j].d2 + order + 1 + box.longer();
   }
   if (window_.order > 0) {
@@ -194,6 +197,11 @@ std::vector<char> TogetherSearch::corners_used(const std::vector<proof::Node>& t
     const auto* refuted = std::get_if<proof::Refuted>(&node);
     if (refuted == nullptr) continue;
     for (const auto& [id, y] : multipliers()[static_cast<std::size_t>(refuted->multipliers)]) {
+      if (const auto* width = std::get_if<proof::Width>(&id)) {
+        for (const int corner : {width->within, width->before}) {
+          if (among_[static_cast<std::size_t>(corner)]) used[static_cast<std::size_t>(corner)] = 1;
+        }
+      }
       // The error of a corner that does not count is in some linear programs, but it bounds nothing there.
       const int corner = corner_of(id);
       if (corner >= 0 && among_[static_cast<std::size_t>(corner)]) used[static_cast<std::size_t>(corner)] = 1;

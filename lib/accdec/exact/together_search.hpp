@@ -39,7 +39,9 @@ class TogetherSearch {
   /// Whether a filter of at most this order holds these corners with delays up to `most` (one per corner; < 0: the
   /// corner does not count). Ends after `budget` linear programs. Filters met on the way are offered.
   /// @param like  a proof of this search for other delays, whose splits are taken first; empty: there is none
-  Answer refute(int order, const std::vector<int>& most, long budget, const std::vector<proof::Node>& like = {});
+  /// @param from  least delays, one per corner; empty: any
+  Answer refute(int order, const std::vector<int>& most, long budget, const std::vector<proof::Node>& like = {},
+                const std::vector<int>& from = {});
   /// The corners that matter in a proof.
   std::vector<char> corners_used(const std::vector<proof::Node>& tree) const;
   const std::vector<Multipliers>& multipliers() const { return bench_.draft().multipliers(); }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <accdec/exact/one_width.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/exact/workbench.hpp>
 #include <accdec/machine/limits.hpp>
@@ -26,7 +27,7 @@ Box Workbench::root() const {
     // From d = N + 1 on, the legs do not overlap. Every limited difference of the acceleration adds one sample to this,
     // and a response as many as it has.
     b.d1 = corner.delay.value_or(0);
-    b.d2 = corner.delay.value_or(task().design.order_max + settling + box.longer());
+    b.d2 = corner.delay.value_or(task().design.order_max + settling + box.longer() + width_latency(task()));
     b.k2 = b.d2 + task().design.order_max + 1 + box.longer();
     b.c2 = b.k2;
     box.corners.push_back(b);

@@ -46,6 +46,9 @@ auto parts(const proof::Contour& r) {
 auto parts(const proof::Reversal& r) {
   return std::tuple(Name("reversal"), r.corner, r.axis, r.sample, r.sign);
 }
+auto parts(const proof::Width& r) {
+  return std::tuple(Name("width"), r.within, r.before);
+}
 auto parts(const proof::Budget&) {
   return std::tuple(Name("budget"));
 }
@@ -129,6 +132,7 @@ class Writer {
     text += '{';
     bound(proof.bound_samples);
     if (!proof.conflict.empty()) member("conflict", proof.conflict);
+    if (proof.in_position) member("in_position", true);
     member("kind", Name("branch and bound"));
     if (!proof.corner_of.empty()) member("corner_of", proof.corner_of);
     if (!proof.lemmas.empty()) member("lemmas", proof.lemmas);
@@ -139,6 +143,14 @@ class Writer {
     if (proof.smoothed) member("smoothed", true);
     member("tolerance", proof.tolerance);
     member("tree", proof.tree);
+    text += '}';
+  }
+  void put(const proof::CornerFeeds& proof) {
+    text += '{';
+    bound(proof.bound_samples);
+    member("kind", Name("corner feeds"));
+    member("parts", proof.parts);
+    member("schema", Name("accdec.certificate/1"));
     text += '}';
   }
   void put(const proof::FamilyEnumeration& proof) {
@@ -152,6 +164,12 @@ class Writer {
   }
 
  private:
+  void put(const proof::CornerFeedPart& part) {
+    text += '{';
+    member("multiples", part.multiples);
+    member("orders", part.orders);
+    text += '}';
+  }
   void put(const proof::RefutedMembers& r) { put(std::tuple(r.family, r.rule, r.members)); }
   void kind_alone(Name kind) {
     text += '{';
@@ -213,6 +231,7 @@ class Writer {
   void put(const proof::Lemma& lemma) {
     text += '{';
     member("delays", lemma.delays);
+    if (!lemma.from.empty()) member("from", lemma.from);
     if (lemma.window)
       member("window", std::tuple(lemma.window->order, lemma.window->anchor, lemma.window->at));
     else

@@ -105,6 +105,7 @@ proof::Row read_row(const Entry& e) {
   if (is("range error", 8)) return proof::RangeError{e.integer(1), e.number(2), read_tangent(e, 3), read_tangent(e, 6)};
   if (is("contour", 2)) return proof::Contour{e.integer(1), e.boolean(2)};
   if (is("reversal", 4)) return proof::Reversal{e.integer(1), e.integer(2), e.integer(3), e.integer(4)};
+  if (is("width", 2)) return proof::Width{e.integer(1), e.integer(2)};
   if (is("budget", 0)) return proof::Budget{};
   if (is("vibration", 3)) return proof::Vibration{e.integer(1), e.number(2), e.number(3)};
   if (is("damped vibration", 4)) return proof::Vibration{e.integer(1), e.number(2), e.number(4), e.number(3)};
@@ -147,7 +148,7 @@ auto read_list(const Json& json, const std::string& pointer, const Read& read) {
 }
 
 proof::Lemma read_lemma(const Value& value) {
-  value.members({"delays", "tree"}, {"order", "window"});
+  value.members({"delays", "tree"}, {"from", "order", "window"});
   if (value.has("order") == value.has("window")) value.fail("has either an `order` or a `window`");
   constexpr long most = 100'000'000;
   const auto integers = [](const Value& list, std::size_t count) {
@@ -163,17 +164,21 @@ proof::Lemma read_lemma(const Value& value) {
     const std::vector<int> window = integers(value["window"], 3);
     lemma.window = proof::Window{window[0], window[1], window[2]};
   }
-  for (const Value& entry : value["delays"].elements()) {
-    const std::vector<int> delay = integers(entry, 2);
-    lemma.delays.push_back({delay[0], delay[1]});
-  }
+  const auto delays = [&](const char* member, std::vector<proof::CornerDelay>& into) {
+    for (const Value& entry : value[member].elements()) {
+      const std::vector<int> delay = integers(entry, 2);
+      into.push_back({delay[0], delay[1]});
+    }
+  };
+  delays("delays", lemma.delays);
+  if (value.has("from")) delays("from", lemma.from);
   lemma.tree = read_list(value["tree"].json(), value["tree"].pointer(), read_node);
   return lemma;
 }
 
 proof::BranchAndBound read_branch_and_bound(const Value& value) {
   value.members({"schema", "kind", "objective", "bound_samples", "multipliers", "tree"},
-                {"runs", "conflict", "corner_of", "lemmas", "smoothed", "tolerance"});
+                {"runs", "conflict", "corner_of", "in_position", "lemmas", "smoothed", "tolerance"});
   proof::BranchAndBound proof;
   proof.objective = value["objective"].word({Objective::cycle, Objective::corner});
   if (proof.objective == Objective::cycle) {
@@ -190,6 +195,7 @@ proof::BranchAndBound read_branch_and_bound(const Value& value) {
     for (const Value& kind : value["corner_of"].elements())
       proof.corner_of.push_back(static_cast<int>(kind.integer(0, 100'000'000)));
   }
+  if (value.has("in_position")) proof.in_position = value["in_position"].boolean();
   if (value.has("smoothed")) proof.smoothed = value["smoothed"].boolean();
   const std::string sets = value["multipliers"].pointer();
   proof.multipliers = read_list(value["multipliers"].json(), sets, [&](const Entry& set) {
@@ -219,6 +225,15 @@ void require_schema(const Value& value) {
     value["schema"].fail("the certificate's schema is unknown; known is accdec.certificate/1");
 }
 
+/// A proof within another one.
+proof::BranchAndBound read_inner(const Value& value) {
+  refuse_nulls(value);
+  proof::BranchAndBound proof = read_branch_and_bound(value);
+  require_schema(value);
+  if (value["kind"].text() != "branch and bound") value["kind"].fail("must be \"branch and bound\"");
+  return proof;
+}
+
 proof::FamilyEnumeration read_families(const Value& value) {
   value.members({"schema", "kind", "bound_samples", "refuted"}, {"taps"});
   proof::FamilyEnumeration proof;
@@ -229,12 +244,21 @@ proof::FamilyEnumeration read_families(const Value& value) {
     proof.refuted.push_back(
         {parts[0].text(), parts[1].text(), static_cast<int>(parts[2].integer(0, std::numeric_limits<int>::max()))});
   }
-  if (value.has("taps")) {
-    const Value taps = value["taps"];
-    refuse_nulls(taps);
-    proof.taps = read_branch_and_bound(taps);
-    require_schema(taps);
-    if (taps["kind"].text() != "branch and bound") taps["kind"].fail("must be \"branch and bound\"");
+  if (value.has("taps")) proof.taps = read_inner(value["taps"]);
+  return proof;
+}
+
+proof::CornerFeeds read_corner_feeds(const Value& value) {
+  value.members({"schema", "kind", "bound_samples", "parts"});
+  proof::CornerFeeds proof;
+  proof.bound_samples = value["bound_samples"].number();
+  for (const Value& entry : value["parts"].elements()) {
+    entry.members({"multiples", "orders"});
+    proof::CornerFeedPart part;
+    for (const Value& multiple : entry["multiples"].elements())
+      part.multiples.push_back(static_cast<int>(multiple.integer(0, 100'000)));
+    part.orders = read_inner(entry["orders"]);
+    proof.parts.push_back(std::move(part));
   }
   return proof;
 }
@@ -269,8 +293,9 @@ Certificate read_packed(const Value& value) {
 }  // namespace
 
 Certificate read_certificate(const Value& value) {
-  value.members({"kind"}, {"gzip", "schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                           "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps"});
+  value.members({"kind"},
+                {"gzip", "schema", "objective", "runs", "bound_samples", "conflict", "corner_of", "in_position",
+                 "lemmas", "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps", "parts"});
   refuse_nulls(value);
   const std::string kind = value["kind"].text();
   if (kind == "enumeration") {
@@ -278,8 +303,9 @@ Certificate read_certificate(const Value& value) {
     if (value.has("schema")) require_schema(value);
     return {proof::Enumeration{}};
   }
-  value.members({"kind", "schema"}, {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "lemmas",
-                                     "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps"});
+  value.members({"kind", "schema"},
+                {"gzip", "objective", "runs", "bound_samples", "conflict", "corner_of", "in_position", "lemmas",
+                 "multipliers", "smoothed", "tolerance", "tree", "refuted", "taps", "parts"});
   require_schema(value);
   if (kind == "packed") return read_packed(value);
   if (kind == "constant feed") {
@@ -292,9 +318,11 @@ Certificate read_certificate(const Value& value) {
   }
   if (kind == "branch and bound") return {read_branch_and_bound(value)};
   if (kind == "families") return {read_families(value)};
-  value["kind"].fail(fmt::format(
-      "\"{}\" is unknown; allowed are constant feed, corner speed, enumeration, branch and bound, families, packed",
-      kind));
+  if (kind == "corner feeds") return {read_corner_feeds(value)};
+  value["kind"].fail(
+      fmt::format("\"{}\" is unknown; allowed are constant feed, corner speed, enumeration, branch and bound, "
+                  "families, corner feeds, packed",
+                  kind));
 }
 
 }  // namespace accdec

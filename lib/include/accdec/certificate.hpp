@@ -116,8 +116,15 @@ struct Response {
   bool operator==(const Response&) const = default;
 };
 
+/// One in-position width for all corners. After its longest delay, leg 1 of corner `within` has at most so much left.
+/// One sample before its shortest delay, leg 1 of corner `before` has more left.
+struct Width {
+  int within = 0, before = 0;  ///< corners
+  bool operator==(const Width&) const = default;
+};
+
 using Row = std::variant<TapDifference, EventForce, Blend, Error, RangeError, Budget, Vibration, EventPower, BlendPower,
-                         Speed, Response, Contour, Reversal>;
+                         Speed, Response, Contour, Reversal, Width>;
 struct Term {
   Row row;
   double multiplier = 0.0;  ///< >= 0
@@ -207,7 +214,8 @@ struct Lemma {
   int order = 0;                 ///< for filters up to this order; not with a window
   std::optional<Window> window;  ///< for filters of any order
   std::vector<CornerDelay> delays;
-  std::vector<Node> tree;  ///< for delays up to these and all samples
+  std::vector<CornerDelay> from{};  ///< with delays of at least these; others may have any
+  std::vector<Node> tree;           ///< for these delays and all samples
   bool operator==(const Lemma&) const = default;
 };
 
@@ -237,10 +245,28 @@ struct BranchAndBound {
   std::vector<int> corner_of{};
   /// The proof is about the task's filter and the control's smoothing behind it as one filter, of any taps.
   bool smoothed = false;
+  /// The proof is about delays by one in-position width, which are all that the task's control has.
+  bool in_position = false;
   std::vector<Multipliers> multipliers;
   std::vector<Lemma> lemmas;
   std::vector<Node> tree;
   bool operator==(const BranchAndBound&) const = default;
+};
+
+/// With each corner at its part of the feed, no filter has a lower order.
+struct CornerFeedPart {
+  /// One per corner, of the step of corner feeds: 0 is an exact stop. The least one that is not below the feed stands
+  /// for the feed.
+  std::vector<int> multiples;
+  BranchAndBound orders{};  ///< of a task of its own, see the page of certificates
+  bool operator==(const CornerFeedPart&) const = default;
+};
+/// A control passes corners at parts of the feed, at feed, or by exact stops. Parts that are not listed are at least as
+/// fast as listed ones, and have filters at least as long.
+struct CornerFeeds {
+  double bound_samples = 0.0;  ///< of the objective
+  std::vector<CornerFeedPart> parts{};
+  bool operator==(const CornerFeeds&) const = default;
 };
 
 /// Members of one family that one rule refutes.
@@ -264,7 +290,7 @@ struct FamilyEnumeration {
 /// The reason why nothing is shorter than a result claims, or why there is no design; `accdec.certificate/1` in JSON.
 struct Certificate {
   std::variant<proof::ConstantFeed, proof::CornerSpeed, proof::Enumeration, proof::BranchAndBound,
-               proof::FamilyEnumeration>
+               proof::FamilyEnumeration, proof::CornerFeeds>
       proof;
   bool operator==(const Certificate&) const = default;
 };

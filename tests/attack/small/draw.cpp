@@ -19,7 +19,7 @@ class Draw {
   }
 
   Task run() {
-    several_ = is("several") || (is("servo") && chance(0.1));
+    several_ = is("several") || is("in-position") || (is("servo") && chance(0.1));
     feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, several_ || is("power") || is("regeneration") ? 3.0 : 7.0);
     task_.sample_period = 1e-3 * one_of({0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 20.0});
     task_.design.order_max = chance(0.15) ? whole(1, 6) : 24;
@@ -41,6 +41,7 @@ class Draw {
     if (is("smoothed") || (convex && chance(0.15))) draw_smoothing();
     if (is("servo")) draw_servo();
     if (is("given")) draw_filter();
+    if (is("in-position")) draw_in_position();
     return task_;
   }
 
@@ -104,11 +105,11 @@ class Draw {
   }
 
   void draw_corners() {
-    const int count = several_ ? 2 : 1;
+    const int count = is("in-position") && chance(0.2) ? 3 : several_ ? 2 : 1;
     for (int j = 0; j < count; ++j) {
       double angle = 0.0;
       const CornerLegs shape = legs(angle);
-      const double in = feed_ * (j == 0 ? 1.0 : uniform(0.4, 1.0));
+      const double in = feed_ * (j == 0 || (is("in-position") && chance(0.2)) ? 1.0 : uniform(0.4, 1.0));
       const double out = in * (chance(0.6) ? 1.0 : uniform(0.4, 1.0));
       TaskCorner corner(std::string(1, static_cast<char>('A' + j)), shape, in, out,
                         static_cast<int>(task_.machine.axes.size()));
@@ -135,6 +136,13 @@ class Draw {
       spec.taps.push_back(1.0);
     }
     task_.filter = spec;
+  }
+
+  /// One width for all corners.
+  void draw_in_position() {
+    task_.settings.emplace();
+    task_.settings->delays = {DelayKind::in_position};
+    if (chance(0.2)) task_.settings->in_position_latency = whole(1, 3) * task_.sample_period;
   }
 
   /// The control's own, of taps that are not negative.

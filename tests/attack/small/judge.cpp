@@ -286,8 +286,8 @@ class Enumeration {
     if (j == delays_.size()) return orders();
     Verdict verdict = Verdict::no;
     const int given = task_.corners[j].delay.value_or(-1);
-    for (int d = std::max(0, given); d <= (given >= 0 ? given : task_.design.order_max + 2 + response_order(task_));
-         ++d) {
+    for (int d = std::max(0, given);
+         d <= (given >= 0 ? given : task_.design.order_max + 2 + response_order(task_) + latency_of(task_)); ++d) {
       delays_[j] = d;
       std::fill(delays_.begin() + static_cast<std::ptrdiff_t>(j) + 1, delays_.end(), 0);
       if (!shorter(task_.design.order_min)) break;
@@ -305,11 +305,11 @@ class Enumeration {
     const int least = task_.design.symmetric ? task_.design.order_min : most;
     Verdict verdict = Verdict::no;
     for (int order = most; order >= std::max(least, task_.design.order_min); --order) {
-      const bool longer_than_useful =
-          std::any_of(delays_.begin(), delays_.end(), [&](int d) { return d > order + 2 + response_order(task_); });
+      const int useful = order + 2 + response_order(task_) + latency_of(task_);
+      const bool longer_than_useful = std::any_of(delays_.begin(), delays_.end(), [&](int d) { return d > useful; });
       const bool given = std::any_of(task_.corners.begin(), task_.corners.end(),
                                      [](const TaskCorner& c) { return c.delay.has_value(); });
-      if (longer_than_useful && !given) continue;
+      if ((longer_than_useful && !given) || !may_have_width(task_, order, delays_)) continue;
       const Verdict found = exists(task_, order, delays_);
       if (found == Verdict::yes) return found;
       if (found == Verdict::undecided) verdict = found;
@@ -334,7 +334,7 @@ double cost(const Task& task, int order, const std::vector<int>& delays) {
 }
 
 Verdict exists(const Task& task, int order, const std::vector<int>& delays) {
-  return Search(task, order, delays).run();
+  return may_have_width(task, order, delays) ? Search(task, order, delays).run() : Verdict::no;
 }
 
 Verdict shorter_exists(const Task& task, double samples) {

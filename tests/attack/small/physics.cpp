@@ -143,10 +143,28 @@ int response_order(const Task& task) {
   return static_cast<int>(smoothing_of(task).size() + servo) - 2 + loop;
 }
 
+int latency_of(const Task& task) {
+  return task.settings ? static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period)) : 0;
+}
+
+bool may_have_width(const Task& task, int order, const std::vector<int>& delays) {
+  if (!task.settings) return true;
+  const int latency = latency_of(task), most = order + static_cast<int>(smoothing_of(task).size()) - 1 + latency;
+  for (std::size_t i = 0; i < delays.size(); ++i) {
+    if (delays[i] < latency || delays[i] > most) return false;
+    for (std::size_t j = 0; j < delays.size(); ++j) {
+      const double faster = task.corners[i].geometry().feed_in, slower = task.corners[j].geometry().feed_in;
+      if (faster >= slower && delays[i] < delays[j]) return false;
+    }
+  }
+  return true;
+}
+
 Physics::Physics(const Task& task, int order, const std::vector<int>& delays) {
   const auto taps = static_cast<std::size_t>(order) + 1;
   linear.taps = cones.taps = velocities.taps = taps;
   for (std::size_t j = 0; j < task.corners.size(); ++j) add_corner(task, j, order, delays[j]);
+  if (task.settings) add_widths(task, delays);
   for (const Mode& mode : task.machine.modes) {
     const int count = mode.frequency_high > mode.frequency_low ? frequencies : 1;
     for (int f = 0; f < count; ++f) {
@@ -205,6 +223,31 @@ void Physics::add_corner(const Task& task, std::size_t j, int order, int delay) 
   for (std::size_t s = first; s <= last; ++s) {
     speeds.push_back({velocities.size(), velocities.size() + 1, corner.speed_min, plane.turn});
     velocities.values.insert(velocities.values.end(), flat.row(2 * s), flat.row(2 * s) + 2 * flat.taps);
+  }
+}
+
+/// The way of leg 1 that is left so many samples after the end of its command: v T sum_i c_i max(i - k, 0) of the
+/// command's taps c. A width is at least that of each corner after its delay, and below that of each one sample before.
+void Physics::add_widths(const Task& task, const std::vector<int>& delays) {
+  const std::vector<double> smoothing = smoothing_of(task);
+  const int latency = latency_of(task);
+  const auto way = [&](std::size_t corner, int sample, std::size_t tap) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < smoothing.size(); ++j)
+      sum += smoothing[j] * std::max(0, static_cast<int>(tap + j) - sample);
+    return task.corners[corner].geometry().feed_in * sum;
+  };
+  for (std::size_t i = 0; i < delays.size(); ++i) {
+    for (std::size_t j = 0; j < delays.size(); ++j) {
+      if (delays[j] == latency || task.corners[i].geometry().feed_in == task.corners[j].geometry().feed_in) continue;
+      double* row = linear.fresh();
+      double largest = 1e-12;
+      for (std::size_t t = 0; t < linear.taps; ++t) {
+        row[t] = way(i, delays[i] - latency, t) - way(j, delays[j] - latency - 1, t);
+        largest = std::max(largest, std::abs(row[t]));
+      }
+      for (std::size_t t = 0; t < linear.taps; ++t) row[t] = 1.0 + row[t] / largest;
+    }
   }
 }
 

@@ -43,13 +43,18 @@ struct ErrorLimit {
 
 /// By how many samples the control's own smoothing and the servo of all axes lengthen a motion.
 int response_order(const Task& task);
+/// Samples that a control takes from within its in-position width to the next block.
+int latency_of(const Task& task);
+/// Whether some in-position width may give these delays. Corners of equal feeds then wait equally long, faster ones
+/// longer or as long, and none longer than the filtered motion.
+bool may_have_width(const Task& task, int order, const std::vector<int>& delays);
 
 /// Everything a filter of this order with these delays does, from sampled commands: rest, leg 1, gap, leg 2, rest, once
 /// for every unit tap. Nothing of the library but the task's numbers is used.
 struct Physics {
   Physics(const Task& task, int order, const std::vector<int>& delays);
 
-  Rows linear;      ///< velocity, acceleration, jerk, force over their bounds: |row . b| <= 1, as the sum of b is 1
+  Rows linear;      ///< velocity, acceleration, jerk, force over their bounds, in-position widths: |row . b| <= 1
   Rows cones;       ///< residual vibration over its bound: of each frequency two rows, together of length <= 1
   Rows velocities;  ///< m/s, of the limits that are not convex
   std::vector<PowerLimit> powers;
@@ -59,6 +64,7 @@ struct Physics {
 
  private:
   void add_corner(const Task& task, std::size_t j, int order, int delay);
+  void add_widths(const Task& task, const std::vector<int>& delays);
   /// @param moved      the velocity behind the servo  @param direction  of the motion, if the axis keeps it
   void add_axis(const Axis& axis, const Rows& velocity, const Rows& moved, double period, double direction);
 };

@@ -1,0 +1,119 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
+#include <accdec/task/settings_text.hpp>
+#include <accdec/verify.hpp>
+
+// Free taps of several corners with one in-position width. attack_small judges such proofs by brute force.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const char* const in_position = "[controller]\ndelays = \"in-position\"\n";
+
+/// Two corners under an acceleration alone.
+Task two_corners(const std::string& more, double second_feed) {
+  const auto corner = [](double angle, double feed, double error) {
+    return fmt::format("[[corner]]\nangle_deg = {}\nfeed_in_mm_min = {}\nerror_max_um = {}\n", angle, feed, error);
+  };
+  TaskOptions choices;
+  choices.response = Considered::all;
+  return parse_task("sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n" + corner(90, 6000, 20) +
+                        corner(120, second_feed, 20) + more,
+                    "task", choices);
+}
+
+const proof::BranchAndBound& proof_of(const DesignResult& result) {
+  return std::get<proof::BranchAndBound>(result.certificate->proof);
+}
+
+/// Corners of equal feeds have one delay by one width. With every such delay given, the exact method finds the shortest
+/// filter without knowing of widths.
+TEST(OneWidth, CornersOfEqualFeedsWaitEquallyLong) {
+  const DesignResult any = design_task(two_corners("", 6000));
+  const DesignResult result = design_task(two_corners(in_position, 6000));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_EQ(result.corners[0].delay, result.corners[1].delay);
+  EXPECT_GT(result.objective(), any.objective() + 1e-9);
+  EXPECT_THAT(settings_answer(result), HasSubstr("proved best"));
+  double least = unlimited;
+  for (int delay = 0; delay < 20; ++delay) {
+    Task given = two_corners("", 6000);
+    for (TaskCorner& corner : given.corners) corner.delay = delay;
+    const DesignResult found = design_task(given);
+    if (found.status == Status::optimal) least = std::min(least, found.objective());
+  }
+  EXPECT_NEAR(result.objective(), least, 1e-12);
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+}
+
+/// v1 T p(d1) <= w < v1 T p(d1 - 1) and v2 T p(d2) <= w < v2 T p(d2 - 1), here p(k) = sum_i b_i max(i - k, 0).
+TEST(OneWidth, IsProvedForUnequalFeeds) {
+  const DesignResult any = design_task(two_corners("", 3000));
+  const DesignResult result = design_task(two_corners(in_position, 3000));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_GE(result.objective(), any.objective() - 1e-12);
+  const auto way = [&](double feed, int k) {
+    double sum = 0.0;
+    for (int i = std::max(0, k) + 1; i <= result.filter->order(); ++i) sum += result.filter->tap(i) * (i - k);
+    return k < 0 ? unlimited : feed * 1e-3 * sum;
+  };
+  const int first = result.corners[0].delay, second = result.corners[1].delay;
+  ASSERT_TRUE(result.settings && result.settings->width);
+  EXPECT_NEAR(result.settings->width->low, std::max(way(0.1, first), way(0.05, second)), 1e-12);
+  EXPECT_NEAR(result.settings->width->high, std::min(way(0.1, first - 1), way(0.05, second - 1)), 1e-12);
+  EXPECT_LT(result.settings->width->low, result.settings->width->high);
+  EXPECT_TRUE(proof_of(result).in_position);
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+}
+
+TEST(OneWidth, ProofIsAboutItsDelays) {
+  const DesignResult result = design_task(two_corners(in_position, 6000));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  ASSERT_TRUE(check_certificate(result.task, result).accepted);
+  proof::BranchAndBound proof = proof_of(result);
+  proof.in_position = false;
+  DesignResult forged = result;
+  forged.certificate = std::make_shared<Certificate>(Certificate{proof});
+  EXPECT_FALSE(check_certificate(forged.task, forged).accepted) << "with any delays there is a shorter design";
+  forged = result;
+  forged.task.settings->delays = {DelayKind::dwell};
+  EXPECT_THAT(check_certificate(forged.task, forged).reason, HasSubstr("one in-position width"));
+  forged = result;
+  forged.task.settings->delays.push_back(DelayKind::exact_stop);
+  EXPECT_FALSE(check_certificate(forged.task, forged).accepted);
+  forged = result;
+  forged.lower_bound = *result.lower_bound + 1e-3;
+  EXPECT_FALSE(verify_result(forged).accepted);
+}
+
+/// With a latency of L samples no delay is below L, and every delay by the width is longer by L.
+TEST(OneWidth, ReckonsWithTheLatency) {
+  const DesignResult late =
+      design_task(two_corners("[controller]\ndelays = \"in-position\"\nin_position_latency_ms = 9\n", 6000));
+  ASSERT_EQ(late.status, Status::optimal) << late.message;
+  EXPECT_GE(late.corners[0].delay, 9);
+  double least = unlimited;
+  for (int delay = 9; delay < 30; ++delay) {
+    Task given = two_corners("", 6000);
+    for (TaskCorner& corner : given.corners) corner.delay = delay;
+    given.design.order_min = delay - 9;
+    const DesignResult found = design_task(given);
+    if (found.status == Status::optimal) least = std::min(least, found.objective());
+  }
+  EXPECT_NEAR(late.objective(), least, 1e-12);
+  EXPECT_THAT(verify_result(late).reasons, IsEmpty());
+}
+
+}  // namespace
+}  // namespace accdec
