@@ -137,8 +137,9 @@ def read(task):
     axes = [read_axis(table, period, fastest) for table in tables["axis"]]
     problem = SimpleNamespace(
         period=period, fastest=fastest, corners=corners, axes=axes, modes=[*map(read_mode, tables["mode"])],
-        corner_feeds=any("corner-feed" in (table.get("delays") or []) for table in tables["controller"])
-        and any(not c.delay for c in corners) and ("filter" in task or "family" in design),  # no free taps
+        corner_feeds=any("corner-feed" in kinds and (  # free taps have none beside delays of any length
+            {"filter", "family"} & {*task, *design} or not {"dwell", "timed-axis"} & {*kinds})
+            for kinds in (t.get("delays") or [] for t in tables["controller"])) and not all(c.delay for c in corners),
         given_filter="filter" in task, response=read_servo(tables["axis"], period),
         order_min=max(whole(design.get("order_min", 1)), 0), order_max=whole(design.get("order_max", 400)),
         objective=design.get("objective", "cycle"), runs=number(design.get("runs", 1)))

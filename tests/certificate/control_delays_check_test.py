@@ -135,6 +135,8 @@ class CornerFeeds(BothCheckers):
                                                                       *proof["parts"][i + 1:]]}), "")
         for change in ({"delays": ["dwell", "corner-feed"]}, {"corner_feed_step": 0.05}):
             self.both(dict(result, task=task | {"controller": task["controller"] | change}), "")
+        tree = proof["parts"][0]["orders"]  # of corners at their feeds, if anything
+        self.both(dict(result, certificate=tree | {"bound_samples": proof["bound_samples"]}), "")
         given = [corner | {"delay_samples": 0} for corner in task["corner"]]
         self.both(dict(result, task=task | {"corner": given}), "")
 

@@ -22,7 +22,10 @@ std::string other_question(const Task& task, const proof::BranchAndBound& proof)
   const bool given = std::ranges::any_of(task.corners, [](const TaskCorner& c) { return c.delay.has_value(); });
   if (proof.in_position && (!task.settings || task.settings->delays != std::vector{DelayKind::in_position} || given))
     return "the certificate is about delays by one in-position width, the task's control may have others";
-  if (may_pass_slower(task))
+  // Free taps pass slower where the control cannot wait for any number of samples.
+  const auto& control = task.settings;
+  const bool slower = control && control->names(DelayKind::corner_feed) && !control->any_delay();
+  if (slower || may_pass_slower(task))
     return "the certificate is about corners at their feeds, the task's control may pass them at a part of the feed";
   if (proof.objective != Objective::cycle || proof.runs == task.design.runs) return {};
   return fmt::format("the certificate is about {} runs, the task asks for {}", proof.runs, task.design.runs);
