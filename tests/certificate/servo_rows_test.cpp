@@ -97,7 +97,7 @@ CheckedBox checked_box(const Trial& trial, std::optional<int> window) {
   return box;
 }
 
-/// The excess of the checker's row over its bound, for the filter moved by some samples and into a window.
+/// How far the checker's row is above its bound, for the filter moved by some samples and into a window.
 double excess_of_checker(const Trial& trial, int shift, std::optional<int> window) {
   CheckedBox box = checked_box(trial, window);
   CheckedSum sum(box.order, box.window);

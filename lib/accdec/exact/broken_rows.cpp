@@ -142,7 +142,8 @@ std::vector<proof::Row> ConvexRows::broken_blend_rows(const Filter& filter, cons
   Broken loads(slack, peaks && servo() && !box.window), others(slack, false);
   std::optional<Filter> made, moved;
   const Filter& command = smoothing_.behind(filter, made);
-  const Filter& motion = servo() ? motion_.behind(filter, moved) : command;
+  // A servo may have far more taps than the filter: its motion is made for forces alone.
+  const Filter& motion = servo() && limits_forces() ? motion_.behind(filter, moved) : command;
   for (std::size_t a = 0; a < lines_.size(); ++a) add_broken_event_forces(motion, a, loads);
   add_broken_reversals(motion, box, others);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {

@@ -13,6 +13,7 @@ bool known_in(const proof::Reversal& id, const Box& box) {
 
 Box at_reversals(const LimitModel& model, const Filter& filter, Box box) {
   box.reversals.clear();
+  if (!has_dry_friction(model.task().machine)) return box;
   std::optional<Filter> made;
   const Filter& motion = model.rows.motion().behind(filter, made);
   for (std::size_t j = 0; j < box.corners.size(); ++j) {

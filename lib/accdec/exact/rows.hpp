@@ -115,6 +115,11 @@ class ConvexRows {
   ForceRow force_row(int axis, int line, double sign, double direction) const;
   /// Forces of a filter behind a servo, in a window: only those that its rows are broken by.
   void leave_broken_in_window(const Filter& filter, const Box& box, double slack, std::vector<proof::Row>& rows) const;
+  bool limits_forces() const {
+    return std::ranges::any_of(task_.machine.axes, [](const Axis& axis) {
+      return axis.force_max < unlimited || axis.force_speed_max < unlimited;
+    });
+  }
   /// -1 stands for the largest force.
   int first_line(std::size_t axis) const { return task_.machine.axes[axis].force_max < unlimited ? -1 : 0; }
   class Broken;
