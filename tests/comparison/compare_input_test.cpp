@@ -94,6 +94,12 @@ TEST_F(CompareCommand, SuitesThatContradictTheirTasksAreRefused) {
     EXPECT_THAT(refused.output, HasSubstr(problem.words));
     EXPECT_FALSE(fs::exists(home_ / "none"));
   }
+  write(home_ / "suite.toml",
+        "solvers = [\"ipopt\"]\n[[problem]]\nname = \"x\"\ntask = \"task.toml\"\norder = 30\ndelay_samples = 3\n"
+        "formulation = \"design\"\n");
+  const Outcome no_use = run("instances suite.toml --format mps --out none");
+  EXPECT_EQ(no_use.exit_code, 2);
+  EXPECT_THAT(no_use.output, HasSubstr("suite.toml:6:17: a design chooses its delays"));
   const Outcome allowed = outcome_of("task = \"given.toml\"\norder = 30\ndelay_samples = [4, 3.0]");
   EXPECT_EQ(allowed.exit_code, 0) << allowed.output;
 }

@@ -296,6 +296,19 @@ TEST(ComparisonData, RefusesWhatIsNoRawData) {
   EXPECT_THROW(comparison::read_comparison({header}), std::invalid_argument);
   EXPECT_THROW(comparison::read_comparison({R"({"record":"run")"}), std::invalid_argument);
   EXPECT_THROW(comparison::read_comparison({R"({"point":"ok"})"}), std::invalid_argument);
+  const auto refuse = [](const std::vector<std::string>& lines, const char* words) {
+    try {
+      comparison::read_comparison(lines);
+      ADD_FAILURE() << words;
+    } catch (const std::invalid_argument& reason) {
+      EXPECT_THAT(reason.what(), HasSubstr(words));
+    }
+  };
+  const auto with = [](const char* more) { return run(0, "good", "solved", "optimal", 2.0, 1.0, 0, more); };
+  refuse({header, problem(0, "proved", R"("lower":"NaN","upper":2.0)")}, "line 2: `lower` must be a number");
+  refuse({header, problem(0, "proved", proved_two), with(R"(,"history":3)")}, "line 3: `history` must hold");
+  std::string far = problem(0, "proved", proved_two);
+  refuse({header, far.replace(far.find("\"case\":0"), 8, "\"case\":99999")}, "line 2: case 99999 has another index");
   EXPECT_THROW(
       comparison::read_comparison({header, problem(0, "proved", proved_two), run(5, "good", "solved", "optimal", 2.0)}),
       std::invalid_argument);

@@ -67,6 +67,9 @@ TEST_F(ExternalScript, AnswersComeBackInTheOrderOfTheProblem) {
   const auto values = answer_of(std::string(echo_start) + "printf 'solved\\n%s\\n' \"$values\" > \"$2\"\n");
   EXPECT_EQ(values.claim, Claim::solved) << values.message;
   EXPECT_EQ(values.x, start);
+  const auto read = comparison::read_values("solved\r\n+0.5\r\n-1\r\n", 2);
+  EXPECT_EQ(read.claim, Claim::solved);
+  EXPECT_EQ(read.x, (std::vector<double>{0.5, -1.0}));
   EXPECT_DOUBLE_EQ(values.claimed_objective, subject.problem(false)->objective(start));
   const auto sol = answer_of(std::string(echo_start) + R"(
 printf 'mine 1.0: nearly there\n\nOptions\n3\n1\n1\n0\n7\n0\n%s\n%s\n%s\nobjno 0 100\n' "$n" "$n" "$values" > "$2"
@@ -82,6 +85,7 @@ TEST_F(ExternalScript, BadAnswersFailWithTheReason) {
     const char *script, *message;
   } bad[] = {{"exit 3", "exit code 3"},
              {"echo help >&2", "help"},
+             {"echo solved > \"$2\"; kill -SEGV $$", "ended by signal 11"},
              {"printf 'solved\\n1\\n2\\n' > \"$2\"", "2 values"},
              {"yes 1 | head -100000 | (echo solved; cat) > \"$2\"", "more than"},
              {"printf 'solved\\n1\\nzwei\\n' > \"$2\"", "\"zwei\" where a number belongs"},

@@ -60,6 +60,12 @@ set = { "axis.*.mass_kg" = 30, "axis.*.power_max_W" = 5, "corner.A.feed_out_mm_m
 formulation = ["margin", "delay", "design"]
 order = 14
 [[problem]]
+name = "given"
+task = "task.toml"
+set = { "corner.A.delay_samples" = 14 }
+formulation = "delay"
+order = 14
+[[problem]]
 name = "short"
 task = "task.toml"
 formulation = "margin"

@@ -200,7 +200,7 @@ TEST_F(Instances, NlHasOurValuesAndDerivatives) {
     }
     ++compared;
   }
-  EXPECT_EQ(compared, 8u);
+  EXPECT_EQ(compared, 9u);
 }
 
 // Shortest delays of N + 1 and N + 2 samples, and corners where only limits, or zeros among the taps, set the delay. No
@@ -238,7 +238,10 @@ TEST_F(Instances, WholeChoiceHasEveryDelayOfTheExactMethod) {
 }
 
 TEST_F(Instances, FolderHoldsOneFormatAndNoStaleFiles) {
-  write_all("nl");
+  // Without a delay to choose there is nothing to minimise.
+  const json given = find(write_all("nl"), "given", "delay")["optimum"];
+  EXPECT_EQ(given["proof"], "proved");
+  EXPECT_EQ(given["upper"], 0.0);
   const std::string before = testing::content(home_ / "nl/manifest.json");
   const testing::Outcome other = run("instances suite.toml --out nl --format mps");
   EXPECT_EQ(other.exit_code, 2);
@@ -251,6 +254,16 @@ TEST_F(Instances, FolderHoldsOneFormatAndNoStaleFiles) {
   for (const char* ending : {".nl", ".row", ".col"})
     EXPECT_FALSE(std::filesystem::exists(home_ / (std::string("nl/short.margin.1") + ending))) << ending;
   EXPECT_TRUE(std::filesystem::exists(home_ / "nl/small-corner.margin.1.row"));
+  // An edited manifest is not believed.
+  json edited = json::parse(testing::content(home_ / "nl/manifest.json"));
+  edited["instances"][0]["file"] = "..";
+  testing::write(home_ / "nl/manifest.json", edited.dump());
+  write_all("nl");
+  edited["format"] = 3;
+  testing::write(home_ / "nl/manifest.json", edited.dump());
+  const testing::Outcome unknown = run("instances suite.toml --out nl --format nl");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.output, HasSubstr("no word as `format`"));
 }
 
 TEST_F(Instances, RefusesWhatItCannotWrite) {

@@ -83,6 +83,7 @@ TEST(Leaderboard, CountsByDifficulty) {
   EXPECT_EQ(board_cell(t, "liar", "claims"), "3");
   EXPECT_EQ(board_cell(t, "liar", "claimed infeasible, but is not"), "2");
   EXPECT_EQ(board_cell(t, "liar", "refused"), "1");
+  EXPECT_EQ(board_cell(t, "liar", "without a claim"), "0");
   EXPECT_EQ(board_cell(t, "liar", "median time / s"), "");
 }
 
@@ -108,6 +109,17 @@ TEST(Leaderboard, CostsAreNeverUnbounded) {
   const ComparisonTable t = leaderboard_table(comparison::read_comparison(lines));
   EXPECT_EQ(board_cell(t, "liar", "wrong claims"), "4") << "also of the problem without an answer";
   EXPECT_EQ(board_cell(t, "liar", "claimed infeasible, but is not"), "1");
+}
+
+TEST(Leaderboard, OnlyWhatRanTooLongIsOutOfTime) {
+  std::vector<std::string> lines = board_lines();
+  const char* const claims[] = {"crashed", "failed", "invalid number", "time limit"};
+  for (int c = 0; c < 4; ++c)
+    lines[static_cast<std::size_t>(13 + c)] = board_run(c, "liar", claims[c], "none", "null", 0.1);
+  const ComparisonTable t = leaderboard_table(comparison::read_comparison(lines));
+  EXPECT_EQ(board_cell(t, "liar", "out of time"), "1");
+  EXPECT_EQ(board_cell(t, "liar", "without a claim"), "3");
+  EXPECT_EQ(board_cell(t, "liar", "claims"), "0");
 }
 
 TEST(Leaderboard, OlderRawDataHaveNoDifficulties) {

@@ -84,6 +84,9 @@ TEST_F(ProgramState, ProgramsAreSeenWhereverACommandNamesThem) {
                   {"sh -c '\"{suite}/solver\" {nl}'", "solver"},
                   {"python3 '{suite}/a folder' {nl}", "a folder/__main__.py"},
                   {"python3 '{suite}/a folder' {nl}", "a folder/more/steps.py"},
+                  {"sh -c 'python3 \"{suite}/a folder/x=y.py\" {nl}'", "a folder/x=y.py"},
+                  {"sh -c 'python3 {suite}/a\\ folder/x=y.py {nl}'", "a folder/x=y.py"},
+                  {"sh -c 'PYTHONPATH={suite}/x=y.py python3 {nl}'", "x=y.py"},
                   {"sh -c 'my_solver {nl} > {answer}'", "my_solver"}};
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", (home_.string() + ":" + path).c_str(), 1);

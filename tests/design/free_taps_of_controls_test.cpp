@@ -81,6 +81,24 @@ TEST(FreeTapsOfControls, AreDesignedForOneKindOfDelay) {
   EXPECT_THROW(parse_result(forged.dump(), "result"), InputError);
 }
 
+/// An exact stop lasts as long as the filter, or two samples more. So a given one needs a filter of 2 samples less at
+/// least, here longer than the 17 taps that the acceleration needs.
+TEST(FreeTapsOfControls, HaveTheGivenDelaysOfTheirKind) {
+  const auto task = [](int delay) {
+    return parse_task(
+        fmt::format("sample_period_ms = 1\n[design]\norder_max = 40\n[controller]\ndelays = \"exact-stop\"\n[[axis]]\n"
+                    "acceleration_max_mm_s2 = 6000\n[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\n"
+                    "error_max_um = 50\ndelay_samples = {}\n",
+                    delay),
+        "task");
+  };
+  const DesignResult result = design_task(task(20));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_NEAR(result.cycle_time, (19 + 20) * 1e-3, 1e-9);
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+  EXPECT_THROW(design_task(task(60)), std::invalid_argument);
+}
+
 /// Two corners under an acceleration alone.
 Task two_corners(const std::string& more, double first_error, double second_error) {
   const auto corner = [](double angle, double error) {

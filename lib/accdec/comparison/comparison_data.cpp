@@ -23,7 +23,30 @@ std::string text(const batch::Row& row, const char* key) {
   return found != row.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+/// @throws std::invalid_argument  if it is neither a number nor null
+void require_number(const batch::Row& row, const char* key) {
+  const auto found = row.find(key);
+  if (found != row.end() && !found->is_number() && !found->is_null())
+    throw std::invalid_argument(fmt::format("`{}` must be a number or null", key));
+}
+
+/// Asks for all that is read of a run later, so that a wrong value is told with its line.
+void check_run(const batch::Row& row) {
+  for (const char* key : {"objective", "violation", "wall_time_s"}) require_number(row, key);
+  for (const char* key : {"claim", "verdict", "solver"}) {
+    if (!row.at(key).is_string()) throw std::invalid_argument(fmt::format("`{}` must be a word", key));
+  }
+  if (!row.at("repeat").is_number()) throw std::invalid_argument("`repeat` must be a number");
+  const auto history = row.find("history");
+  for (const batch::Row& step : history != row.end() ? *history : batch::Row::array()) {
+    const bool triple = step.is_array() && step.size() == 3;
+    if (!triple || !std::all_of(step.begin(), step.end(), [](const batch::Row& x) { return x.is_number(); }))
+      throw std::invalid_argument("`history` must hold lists of three numbers");
+  }
+}
+
 ComparedCase case_of(const batch::Row& row) {
+  for (const char* key : {"lower", "upper"}) require_number(row, key);
   ComparedCase c;
   c.problem = row.at("problem");
   c.family = row.at("family");
@@ -98,9 +121,11 @@ class Reader {
       data_.header = std::move(row);
     } else if (record == "problem") {
       const std::size_t index = row.at("case");
+      if (row.at("index") != index) throw std::invalid_argument(fmt::format("case {} has another index", index));
       if (index >= data_.cases.size()) data_.cases.resize(index + 1);
       data_.cases[index] = case_of(row);
     } else if (record == "run") {
+      check_run(row);
       runs_.push_back(std::move(row));
     } else if (record == "session") {
       data_.session = std::move(row);

@@ -193,9 +193,14 @@ std::vector<double> delay_point(const ComparisonCase& subject, const Filter& fil
                                 const std::vector<std::unique_ptr<DelaySearch>>& searches) {
   const Task& task = subject.spec().task;
   const nlp::Problem& problem = *subject.problem(true);
-  std::vector<double> delays(task.corners.size(), 0.0), instants(task.corners.size(), 0.0);
-  for (const auto& search : searches)
-    std::tie(delays[search->corner()], instants[search->corner()]) = search->delay_of(filter);
+  std::vector<double> delays, instants(task.corners.size(), 0.0);
+  for (const TaskCorner& corner : task.corners) delays.push_back(corner.delay.value_or(0));
+  for (const auto& search : searches) {
+    const std::size_t j = search->corner();
+    const auto [delay, instant] = search->delay_of(filter, delays[j]);
+    if (!task.corners[j].delay) delays[j] = delay;
+    instants[j] = instant;
+  }
   std::vector<double> x = dynamic_cast<const DelayProblem&>(problem).start_from(filter, delays);
   for (const auto& search : searches) {
     for (int i = 0; i < problem.num_variables(); ++i) {
@@ -207,7 +212,7 @@ std::vector<double> delay_point(const ComparisonCase& subject, const Filter& fil
 }
 
 /// The sum of what each corner needs with a filter made for it alone. It is the proved optimum if one filter is as good
-/// for all.
+/// for all. Without a delay to choose the optimum is 0, unless no filter holds a corner at its given delay.
 Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
   const Task task = with_frequencies(spec);
@@ -215,10 +220,13 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   if (const auto none =
           no_filter_at_all(task, spec, subject.blend_delays(), std::vector<int>(task.corners.size(), 0), filter))
     return *none;
-  std::vector<std::size_t> free;
+  std::vector<std::size_t> free, given;
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    if (task.corners[j].error_max && *task.corners[j].error_max > 0.0 && !task.corners[j].delay) free.push_back(j);
+    if (task.corners[j].error_max && *task.corners[j].error_max > 0.0)
+      (task.corners[j].delay ? given : free).push_back(j);
   }
+  const bool all_given = free.empty();
+  if (all_given) free = given;
   Reference reference{Reference::Proof::bound, 0.0, infinity, "delays are not negative"};
   const auto began = std::chrono::steady_clock::now();
   std::vector<Task> tasks(free.size(), task);  // kept: searches refer to them
@@ -232,16 +240,26 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     searches.push_back(std::make_unique<DelaySearch>(tasks[n], j, spec.order, subject.blend_delays(),
                                                      timer(left / static_cast<double>(free.size() - n))));
     const double share = free.size() == 1 ? 1.0 : 0.2;
-    searches.back()->run(spec.order + 1.0,
-                         [&](double upper) { return share * closed * std::max(1.0 / task.corners[j].weight, upper); });
-    reference.lower += task.corners[j].weight * searches.back()->lower;
+    const double enough = all_given ? *task.corners[j].delay : -1.0;
+    searches.back()->run(spec.order + 1.0, [&](double upper) {
+      return upper <= enough ? infinity : share * closed * std::max(1.0 / task.corners[j].weight, upper);
+    });
     reference.work += searches.back()->linear_programs();
+    if (!all_given)
+      reference.lower += task.corners[j].weight * searches.back()->lower;
+    else if (searches.back()->lower > enough + closed * std::max(1.0, enough))
+      return infeasible("exact: linear programs that refute the given delay of corner " + task.corners[j].name,
+                        reference.work);
   }
   reference.method = free.size() > 1 ? "exact bound: the sum of what each corner needs on its own" : "exact bound";
+  std::vector<Filter> made;
   for (const auto& search : searches) {
-    if (!search->best) continue;
+    if (search->best) made.push_back(*search->best);
+  }
+  if (all_given && filter) made.push_back(*filter);
+  for (const Filter& best : made) {
     const nlp::Problem& problem = *subject.problem(true);
-    const std::vector<double> x = delay_point(subject, *search->best, searches);
+    const std::vector<double> x = delay_point(subject, best, searches);
     const double upper = problem.objective(x);
     if (upper - reference.lower > closed * std::max(1.0, upper) || nlp::largest_violation(problem, x) > held ||
         upper >= reference.upper)
@@ -249,7 +267,10 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
     reference.proof = Reference::Proof::optimal;
     reference.upper = upper;
     reference.method = "exact: linear programs that refute intervals of instants" + with_splits(task);
-    if (free.size() > 1) reference.method += "; one filter is best for each corner";
+    if (all_given)
+      reference.method = "every delay is given; a filter that holds all limits is known";
+    else if (free.size() > 1)
+      reference.method += "; one filter is best for each corner";
   }
   if (reference.proof != Reference::Proof::optimal && free.size() == 1)
     reference.method += ", branch and bound not finished";
@@ -304,7 +325,9 @@ Reference reference_of(const ComparisonCase& subject, double time_limit) {
   if (!subject.objection().empty()) return no_reference(subject.objection());
   const bool known = spec.question == Question::design ? exact_covers(spec.task) : of_the_taps(spec.task);
   if (!known)
-    return no_reference("the exact method knows no response of the machine, contour or vibration of an axis here");
+    return no_reference(
+        "the exact method knows no response of the machine, shared supply, contour or vibration of an axis "
+        "here");
   switch (spec.question) {
     case Question::margin: return margin_reference(subject, time_limit);
     case Question::delay: return delay_reference(subject, time_limit);

@@ -20,7 +20,8 @@ using solvers::Claim;
 
 double number_of(const std::string& word) {
   double x = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+  const bool plus = word.starts_with('+') && !word.starts_with("+-");  // from_chars knows no plus
+  const auto [end, error] = std::from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), x);
   if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
   if (error != std::errc() || end != word.data() + word.size())
     throw std::invalid_argument(
@@ -133,6 +134,7 @@ ExternalAnswer read_values(const std::string& text, std::size_t columns) {
   ExternalAnswer answer;
   std::string line;
   std::getline(in, line);
+  if (line.ends_with('\r')) line.pop_back();
   constexpr std::array claims{Claim::solved,    Claim::acceptable, Claim::infeasible,
                               Claim::unbounded, Claim::failed,     Claim::time_limit};
   const auto claim = std::find_if(claims.begin(), claims.end(), [&](Claim c) { return solvers::to_string(c) == line; });

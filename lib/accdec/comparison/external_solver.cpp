@@ -194,6 +194,9 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
     result.message = fmt::format("exit code {}: {}", output.exit_code, last_line(output.output));
     if (external_.memory_max > 0 && output.exit_code != 0)
       result.message += fmt::format(" (its processes may have {} MB each)", external_.memory_max);
+    // Statuses below 128 say nothing: csdp ends with 1 where there is no answer, and with 3 where its answer is near.
+    if (output.exit_code > 128)
+      throw std::invalid_argument(fmt::format("it was ended by signal {}", output.exit_code - 128));
     const bool printed = external_.answer == "names" && external_.command.find("{answer}") == std::string::npos;
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());

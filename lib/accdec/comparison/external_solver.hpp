@@ -25,9 +25,9 @@ struct External {
 std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places);
 
 /// Hashes of the files that a command names; answers of an earlier run hold for the same files only. A name is a word,
-/// or a part of one between spaces, quotes and the signs =,;:|&<>(). It is an absolute path, or that of a program in
-/// PATH. A folder with a __main__.py, which Python runs, counts with its first 1000 files. Files that these load do not
-/// count. In program_state.cpp.
+/// or a part of one between spaces, quotes and the signs =,;:|&<>(), or a word of a shell's command in it. It is an
+/// absolute path, or that of a program in PATH. A folder with a __main__.py, which Python runs, counts with its first
+/// 1000 files. Files that these load do not count. In program_state.cpp.
 std::string program_state(const External& external);
 
 /// Runs it for every problem in a folder of its own, with the limits of `run_limited`. It is killed

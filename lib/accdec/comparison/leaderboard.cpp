@@ -25,12 +25,12 @@ struct Standing {
   Share all, infeasible;
   std::map<std::string, Share> by_difficulty;
   std::vector<double> times;  ///< s to the end, where the optimum was reached
-  std::size_t claims = 0, wrong = 0, worse = 0, denied = 0, refused = 0, stopped = 0;
+  std::size_t claims = 0, wrong = 0, worse = 0, denied = 0, refused = 0, stopped = 0, failed = 0;
 
   void add(const ComparedCase& c, const Attempt& a) {
-    if (!a.accepted) ++refused;
-    if (comparison::lost(a.claim) || a.claim == "time limit") ++stopped;
-    if (comparison::claims_solution(a) || a.claim == "infeasible" || a.claim == "unbounded") ++claims;
+    const bool claimed = comparison::claims_solution(a) || a.claim == "infeasible" || a.claim == "unbounded";
+    const bool late = a.claim == comparison::claim_killed || a.claim == "time limit";
+    ++(!a.accepted ? refused : late ? stopped : claimed ? claims : failed);
     if (comparison::wrong_claim(c, a)) ++wrong;
     if (c.infeasible) {
       ++infeasible.of;
@@ -146,9 +146,9 @@ ComparisonTable leaderboard_table(const ComparisonData& data) {
   ComparisonTable table{"leaderboard", {"solver", "library", "optima reached / %", "reached", "of"}, {}};
   const auto classes = classes_of(data);
   for (const auto& [name, count] : classes) table.head.push_back(name + " / %");
-  for (const char* head :
-       {"median time / s", "upper quartile / s", "infeasibility recognised", "wrong claims",
-        "claimed solved, but worse", "claimed infeasible, but is not", "claims", "out of time", "refused"})
+  for (const char* head : {"median time / s", "upper quartile / s", "infeasibility recognised", "wrong claims",
+                           "claimed solved, but worse", "claimed infeasible, but is not", "claims", "out of time",
+                           "refused", "without a claim"})
     table.head.emplace_back(head);
   for (const Standing& s : standings_of(data)) {
     std::vector<std::string> row{s.solver, s.library, fmt::format("{:.1f}", s.all.percent()),
@@ -159,7 +159,8 @@ ComparisonTable leaderboard_table(const ComparisonData& data) {
     }
     const comparison::Quartiles time = comparison::quartiles(s.times);
     for (const double t : {time.median, time.upper}) row.push_back(std::isfinite(t) ? fmt::format("{:.3g}", t) : "");
-    for (const std::size_t n : {s.infeasible.reached, s.wrong, s.worse, s.denied, s.claims, s.stopped, s.refused})
+    for (const std::size_t n :
+         {s.infeasible.reached, s.wrong, s.worse, s.denied, s.claims, s.stopped, s.refused, s.failed})
       row.push_back(std::to_string(n));
     table.rows.push_back(std::move(row));
   }

@@ -3,7 +3,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <unistd.h>
 
@@ -56,6 +59,29 @@ std::string hash_of_name(const std::string& name) {
   return "";
 }
 
+/// The words of a command of the shell, and what stands in them behind each "=". Quotes group, and a backslash takes
+/// the next character as it is.
+std::vector<std::string> shell_names(const std::string& command) {
+  std::vector<std::string> names{""};
+  char quote = 0;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    const char c = command[i];
+    if (c == '\\' && quote != '\'' && i + 1 < command.size())
+      names.back() += command[++i];
+    else if (quote ? c == quote : c == '\'' || c == '"')
+      quote = quote ? '\0' : c;
+    else if (!quote && std::string_view(" \t\n;|&<>()").find(c) != std::string_view::npos)
+      names.emplace_back();
+    else
+      names.back() += c;
+  }
+  for (std::size_t n = 0, words = names.size(); n < words; ++n) {
+    for (std::size_t at = names[n].find('='); at != std::string::npos; at = names[n].find('=', at + 1))
+      names.push_back(names[n].substr(at + 1));
+  }
+  return names;
+}
+
 }  // namespace
 
 std::string program_state(const External& external) {
@@ -68,11 +94,16 @@ std::string program_state(const External& external) {
   for (std::string word : command_words(
            external.command, {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", external.folder}})) {
     if (add(word)) continue;
+    const std::vector<std::string> names = shell_names(word);
     for (char& c : word) {
       if (std::string_view("=,;:|&<>()'\"`\t\n").find(c) != std::string_view::npos) c = ' ';
     }
     std::istringstream parts(word);
-    for (std::string part; parts >> part;) add(part);
+    std::set<std::string> seen;
+    for (std::string part; parts >> part;) add(part), seen.insert(part);
+    for (const std::string& name : names) {
+      if (seen.insert(name).second) add(name);
+    }
   }
   return state;
 }

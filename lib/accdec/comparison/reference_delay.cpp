@@ -98,7 +98,7 @@ double DelaySearch::value_of(const Filter& filter, const Part&) {
   return delay_of(filter).first;
 }
 
-std::pair<double, double> DelaySearch::delay_of(const Filter& filter) const {
+std::pair<double, double> DelaySearch::delay_of(const Filter& filter, double least_delay) const {
   const double bound = model().error_bound(corner_), cosine = model().cos_interior(corner_);
   const double in = model().scale_in(corner_) / bound, out = model().scale_out(corner_) / bound;
   // Between samples of the interpolated response: quadratic.
@@ -139,8 +139,8 @@ std::pair<double, double> DelaySearch::delay_of(const Filter& filter) const {
     instant = centre;
     return least;
   };
-  if (closest(0.0) <= 1.0) return {0.0, instant};
-  double low = 0.0, high = order() + 1.0;
+  if (closest(least_delay) <= 1.0) return {least_delay, instant};
+  double low = least_delay, high = std::max(least_delay, order() + 1.0);
   for (int i = 0; i < 45; ++i) {
     const double d = 0.5 * (low + high);
     (closest(d) <= 1.0 ? high : low) = d;

@@ -28,8 +28,8 @@ class DelaySearch : public ReferenceSearch {
   DelaySearch(const Task& task, std::size_t corner, int order, const std::vector<int>& delays,
               std::function<bool()> late);
   std::size_t corner() const { return corner_; }
-  /// Least delay of a filter, and the instant.
-  std::pair<double, double> delay_of(const Filter& filter) const;
+  /// Least delay of a filter, not below `least`, and the instant.
+  std::pair<double, double> delay_of(const Filter& filter, double least = 0.0) const;
 
  protected:
   void place(const Part& part, double value, exact::Box& box) override;

@@ -162,6 +162,11 @@ class SuiteReader {
     const std::size_t corners = spec.task.corners.size();
     if (!table.has("delay_samples")) return;
     const std::vector<double> given = table.numbers("delay_samples");
+    const std::vector<std::string> formulations = table.texts("formulation");
+    if (std::ranges::all_of(formulations, [](const std::string& name) { return name == "design"; }))
+      table.fail_at("delay_samples",
+                    "a design chooses its delays: `delay_samples` is of `margin` and `delay`; allowed is delay_samples "
+                    "of a [[corner]] in the task");
     spec.delays.resize(corners);
     if (given.size() != 1 && given.size() != corners)
       table.fail_at("delay_samples",

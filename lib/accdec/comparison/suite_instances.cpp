@@ -147,7 +147,8 @@ class Writer {
     if (spec.question == Question::design && subject.objection().empty() && exact_covers(spec.task)) {
       const DesignResult result = exact_at_order(spec, limit, true);
       reference = reference_of(result);
-      if (result.status != Status::failed || result.certificate) {
+      // A search that ends without a design has no result that both checkers take.
+      if (result.status != Status::failed && result.certificate) {
         certificate = stem + ".proof.json";
         files_.emplace_back(stem + ".proof.json", result_to_json(result));
       }
@@ -214,31 +215,41 @@ void remove_stale(const std::string& folder, const Json& earlier, const std::vec
     const Json optimum = entry.value("optimum", Json::object());
     if (optimum.contains("certificate") && optimum["certificate"].is_string()) names.push_back(optimum["certificate"]);
     for (const std::string& name : names) {
-      const bool plain = name.find('/') == std::string::npos;
+      // Manifests can be edited: only files of the folder itself are removed.
+      const std::filesystem::path path = std::filesystem::path(folder) / name;
+      std::error_code ignored;
+      const bool plain =
+          name.find('/') == std::string::npos && std::filesystem::is_regular_file(symlink_status(path, ignored));
       if (plain && std::find(written.begin(), written.end(), name) == written.end())
-        std::filesystem::remove(std::filesystem::path(folder) / name);
+        std::filesystem::remove(path, ignored);
     }
   }
 }
 
 }  // namespace
 
-InstanceSummary write_instances(const Suite& suite, const InstanceOptions& options) {
+InstanceSummary write_instances(const Suite& suite, const InstanceOptions& options) try {
   constexpr std::array formats{"nl", "mps", "cbf", "dat-s"};
   if (std::find(formats.begin(), formats.end(), options.format) == formats.end())
     throw std::invalid_argument(fmt::format("--format {}: allowed are {}", options.format, fmt::join(formats, ", ")));
   require_results_folder(options.out, {"accdec.instances/1", "command", "instances", "accdec instances "});
   const Json earlier = instances_in(options.out);
-  if (earlier.is_object() && earlier.value("format", options.format) != options.format)
+  const bool named = earlier.is_object() && earlier.contains("format");
+  if (named && !earlier["format"].is_string())
+    throw OutputError(fmt::format(
+        "{}: its manifest.json has no word as `format`; nothing was changed. Choose another --out", options.out));
+  if (named && earlier["format"] != options.format)
     throw OutputError(
         fmt::format("{}: holds instances as {}, whose .row and .col have another order; nothing was changed. Choose "
                     "another --out for {}",
-                    options.out, earlier.value("format", ""), options.format));
+                    options.out, earlier["format"].get<std::string>(), options.format));
   Writer writer(suite, options);
   for (const CaseSpec& spec : suite.cases) writer.add(spec);
   const InstanceSummary summary = writer.finish();
   if (earlier.is_object()) remove_stale(options.out, earlier, writer.written());
   return summary;
+} catch (const std::filesystem::filesystem_error& error) {
+  throw OutputError(fmt::format("{}: {}", error.path1().string(), error.code().message()));
 }
 
 }  // namespace accdec::comparison

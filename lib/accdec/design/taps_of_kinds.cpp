@@ -88,10 +88,25 @@ DesignResult stop_before_a_response(const Task& task, int order, bool shortest, 
   return found;
 }
 
+/// Keeps the orders of filters whose exact stops have the given delays; false if there are none. An exact stop starts
+/// leg 2 when the filter has ended, or up to two samples later.
+bool keep_given_stops(Task& task) {
+  DesignBounds& range = task.design;
+  for (const TaskCorner& corner : task.corners) {
+    if (!corner.delay) continue;
+    range.order_min = std::max(range.order_min, *corner.delay - 2);
+    range.order_max = std::min(range.order_max, *corner.delay);
+  }
+  return range.order_min <= range.order_max;
+}
+
 /// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop
 /// lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits with any delay
 /// behind which the legs are apart, and the proof with its own one says so.
-DesignResult design_for_one_kind(const Task& task, bool stops, const DesignOptions& options) {
+DesignResult design_for_one_kind(const Task& asked, bool stops, const DesignOptions& options) {
+  Task task = asked;
+  if (stops && !keep_given_stops(task))
+    throw std::invalid_argument("delay_samples: no filter of the orders asked for has exact stops of the given delays");
   GivenDelays given(task, options);
   DesignResult result =
       stops ? given.design(task.design.order_max, 0.5 * options.time_limit) : given.design(0, options.time_limit);
@@ -160,6 +175,7 @@ bool keep_cheaper(const DesignResult& best, double delays, double of_order, Task
 /// The filter that is best if the control only runs on, or only stops.
 void offer_one_kind(const Task& any, bool stops, const DesignOptions& options, Cheapest& cheapest) {
   Task task = any;
+  if (stops && !keep_given_stops(task)) return;
   const LinearCost cost = cost_of(task);
   double stopping = 0.0;  // samples that each order costs at the corners
   for (std::size_t j = 0; stops && j < task.corners.size(); ++j)

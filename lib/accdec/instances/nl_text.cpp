@@ -186,7 +186,8 @@ class NlWriter {
     out(rows);
     std::map<int, double> gradient;
     for (const auto& [i, c] : instance_.objective.terms) gradient[column_of_[at(i)]] = c;
-    fmt::format_to(out_, "G0 {}\n", gradient.size());
+    // The readers of the ASL refuse an empty gradient.
+    if (!gradient.empty()) fmt::format_to(out_, "G0 {}\n", gradient.size());
     for (const auto& [i, c] : gradient) fmt::format_to(out_, "{} {}\n", i, c);
   }
 
