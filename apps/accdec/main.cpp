@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -100,9 +101,10 @@ int main(int argc, char** argv) {
   using namespace accdec;
   // Clp takes and returns its work areas with every linear program. Kept in the process rather than handed back to
   // the system each time, a study saves a sixth of its time.
-  ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  // The vectors of long programs follow one another, and new pages cost more than what is done with them.
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   ::mallopt(M_TOP_PAD, 16 << 20);
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_MMAP_MAX, 0);
   const auto complain = [](const char* what, int code) {
     std::fflush(stdout);
     std::fprintf(stderr, "%s\n", printable(what).c_str());

@@ -320,7 +320,7 @@ std::vector<FeedPiece> FeedCaps::pieces(const std::vector<CornerFeed>& joints) c
     hold(b, joint.leaving, joint.leaving * time, true, cap, begin);
   }
   std::vector<FeedPiece> pieces;
-  pieces.reserve(blocks + blocks / 2);
+  pieces.reserve(3 * blocks);  // pages that are not written cost nothing; moving to new ones would
   for (std::size_t b = 0; b < blocks; ++b) {
     add_pieces(b, cap[b], begin[b], end[b], pieces);
     if (b + 1 < blocks) pieces.back().rest = joints[b].delay * period_;

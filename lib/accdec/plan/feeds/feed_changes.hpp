@@ -76,17 +76,29 @@ class ChangeJudge {
   using Segment = FeedSegment<axes>;
   /// The reference is kept. @param dimensions  of the path  @param backward  walked from its end
   ChangeJudge(const FeedWindow& window, std::size_t dimensions, bool backward)
-      : window_(window), dimensions_(dimensions), backward_(backward) {}
+      : window_(window), dimensions_(dimensions), backward_(backward) {
+    for (std::size_t a = 0; a < n(); ++a)
+      change_[a] = window.acceleration_change(a), jerk_change_[a] = window.jerk_change(a);
+  }
 
-  /// The change from an earlier segment.
+  /// Changes to be judged are those to this segment, until the next one is named.
+  void to(const Segment& at, double use) {
+    for (std::size_t a = 0; a < n(); ++a) allowed_[a] = change_[a] * static_cast<double>(at.margin);
+    pass(use);
+  }
+
+  /// The change from an earlier segment to the one that was named last.
   /// @param v  speed on trial: where a segment of this speed is too fast, the verdict names a lower one
-  void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) const {
+  void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) {
     const double scale = backward_ && before.speed > at.speed ? at.speed / before.speed : 1.0;
     if (window_.supply()) supply(at, before, scale, v, verdict);
     for (std::size_t a = 0; a < n(); ++a) {
       const double old = before.velocity[a] * scale, now = at.velocity[a];
-      const double allowed = window_.change(a, now, old, backward_) * static_cast<double>(at.margin);
+      if (!window_.loads() && std::abs(now - old) <= passed_[a]) continue;
+      const double allowed =
+          window_.loads() ? window_.change(a, now, old, backward_) * static_cast<double>(at.margin) : allowed_[a];
       judge(now, now - old, allowed, at.speed, v, verdict);
+      pass(verdict.use);
     }
   }
 
@@ -98,12 +110,17 @@ class ChangeJudge {
     for (std::size_t a = 0; a < n(); ++a) {
       const double now = at.velocity[a];
       const double change = now - s1 * one.velocity[a] - s2 * two.velocity[a] + s3 * both.velocity[a];
-      judge(now, change, window_.jerk_change(a) * static_cast<double>(at.margin), at.speed, v, verdict);
+      judge(now, change, jerk_change_[a] * static_cast<double>(at.margin), at.speed, v, verdict);
     }
   }
 
  private:
   std::size_t n() const { return axes > 0 ? axes : dimensions_; }
+  /// Changes up to these leave a verdict of this use as it is.
+  void pass(double use) {
+    const double part = std::min(use, full_change);
+    for (std::size_t a = 0; a < n(); ++a) passed_[a] = allowed_[a] * part;
+  }
   void supply(const Segment& at, const Segment& before, double scale, double v, FeedVerdict& verdict) const {
     AxisRow<axes> old = before.velocity;
     for (std::size_t a = 0; a < n(); ++a) old[a] *= scale;
@@ -130,6 +147,7 @@ class ChangeJudge {
   const FeedWindow& window_;
   std::size_t dimensions_;
   bool backward_;
+  AxisRow<axes> change_{}, jerk_change_{}, allowed_{}, passed_{};  // m/s, without loads
 };
 
 }  // namespace accdec

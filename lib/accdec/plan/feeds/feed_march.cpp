@@ -25,7 +25,7 @@ class March {
   }
 
   std::vector<FeedPiece> run() {
-    out_.reserve(path_.pieces() + path_.pieces() / 4);
+    out_.reserve(2 * path_.pieces());
     for (std::size_t i = 0; i < path_.pieces(); ++i) {
       const FeedPiece& cap = path_.piece(i);
       double left = cap.length;
@@ -105,11 +105,15 @@ class March {
     const double horizon = now_ + ahead;
     std::size_t one = keep_, two = keep_, both = keep_;
     double t = now_;
-    const auto follow = [&](double end) {
-      const Segment at = line_.back();
+    // Within one window without a jerk limit, only what was commanded before counts.
+    const bool looked_back_at = window_.jerk() || ahead > window_.tau1();
+    const auto follow = [&](const Segment& at) {
+      const double end = at.end;
+      if (looked_back_at) line_.push_back(at);
+      judge_.to(at, verdict.use);
       while (t < std::min(end, horizon) - eps_time) {
         const double soon = t + eps_time;
-        while (line_[one].end + window_.tau1() <= soon) ++one;
+        while (one + 1 < line_.size() && line_[one].end + window_.tau1() <= soon) ++one;
         double next = std::min(end, line_[one].end + window_.tau1());
         if (window_.jerk()) {
           while (line_[two].end + window_.tau2() <= soon) ++two;
@@ -126,18 +130,11 @@ class March {
     for (; i < path_.pieces() && !ends(); ++i) {
       const FeedPiece& cap = path_.piece(i);
       const double speed = std::min(v, cap.speed);
-      line_.push_back({t + left / speed, speed, path_.margin(cap.block), path_.velocity(cap.block, speed)});
-      follow(line_.back().end);
-      if (path_.rest(i) > 0.0) {
-        line_.push_back({t + path_.rest(i), 0.0, 1.0F, {}});
-        follow(line_.back().end);
-      }
+      follow({t + left / speed, speed, path_.margin(cap.block), path_.velocity(cap.block, speed)});
+      if (path_.rest(i) > 0.0) follow({t + path_.rest(i), 0.0, 1.0F, {}});
       if (i + 1 < path_.pieces()) left = path_.piece(i + 1).length;
     }
-    if (!ends()) {
-      line_.push_back({horizon, 0.0, 1.0F, {}});
-      follow(horizon);
-    }
+    if (!ends()) follow({horizon, 0.0, 1.0F, {}});
     line_.resize(size);
     return verdict;
   }

@@ -10,6 +10,7 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/simulate/sample_check.hpp>
+#include <accdec/simulate/simulate.hpp>
 #include <accdec/task/blend_limits.hpp>
 #include <accdec/verify.hpp>
 
@@ -66,6 +67,23 @@ bool stops_surely_hold(const Toolpath& path, const Filter& filter, double sample
   return true;
 }
 
+/// Whether the first blocks break a limit. Then all of them do, and need not be simulated to know it.
+bool begins_broken(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                   const std::vector<int>& delays) {
+  if (machine.axes.empty()) return false;
+  const CommandTiming timing(path, sample_period, delays);
+  const std::size_t last = timing.run_end(path.blocks() / 16);
+  std::vector<double> errors(path.blocks(), 0.0);
+  SimulationOptions options;
+  options.machine = &machine;
+  options.blame = true;
+  const FilterBehind behind(filter, machine, sample_period);
+  options.motion = behind.servo();
+  const Simulation first = simulate_program(timing, filter, 0, last, errors, options);
+  // The motion at the end of the last of them depends on what follows it.
+  return !first.broken.empty() && first.broken.front() < last;
+}
+
 }  // namespace
 
 OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
@@ -84,6 +102,7 @@ OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample
   }
   for (const int more : {0, 1}) {
     for (int& delay : delays) delay += delay > 0 ? more : 0;
+    if (more == 0 && begins_broken(path, filter, sample_period, machine, delays)) continue;
     const ProgramPlan plan = check_program(path, filter, sample_period, machine, delays, false);
     times.exact_stop = static_cast<double>(plan.simulation.samples) * sample_period;
     const std::string limit = broken_most(plan.simulation.limits), tolerance = tolerance_broken_most(path, plan);
