@@ -10,7 +10,7 @@
 namespace accdec {
 namespace {
 
-/// What the bound of a row is wider by, in samples: verification computes the ways in floating point.
+/// The bound of a row is wider by this, in samples: verification computes the ways in floating point.
 constexpr double granted_way = 1e-9;
 
 }  // namespace
