@@ -16,8 +16,8 @@ namespace {
 
 constexpr double most_ways = 20'000.0;
 
-/// FeedWays past a corner by number: an exact stop, a part of the feed, the feed. A filter that holds on one
-/// holds on those before.
+/// Ways past a corner by number: an exact stop, a part of the feed, the feed. A limit that holds on one holds on those
+/// before.
 class FeedWays {
  public:
   explicit FeedWays(const ControllerSettings& control)

@@ -17,10 +17,10 @@ struct CornerFeedBound {
   std::shared_ptr<const Certificate> certificate;
 };
 
-/// For controls that pass corners at parts of the feed, at feed and by exact stops alone. All limits are in proportion
-/// to the feed: accelerations, jerks, forces of masses alone, tolerances, modes without damping. With each corner's
-/// part given, the shortest filter is a design task of its own. The least cost of all parts is proved if one of them
-/// has a filter of its order. Few corners: their ways are listed.
+/// For controls that pass corners at parts of the feed, at feed and by exact stops alone. All limits must be in
+/// proportion to the feed: accelerations, jerks, forces of masses alone, tolerances, modes without damping. With each
+/// corner's part given, the shortest filter is a design task of its own. The least cost of all parts is proved if one
+/// of them has a filter of its order. Few corners: their ways are listed.
 /// @param best  samples of the best design known  @param offer  takes the filters met; returns the same with them
 /// @return none: nothing is proved
 std::optional<CornerFeedBound> prove_corner_feeds(const Task& task, const DesignOptions& options, double seconds,

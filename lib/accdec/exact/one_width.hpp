@@ -8,9 +8,9 @@
 #include <accdec/filter.hpp>
 #include <accdec/task.hpp>
 
-// Internal to the exact method: delays of all corners by one in-position width w, d = L + min{e >= 0: v1 T p(e) <= w}
-// with the control's latency L. Let e be the delays less L. They exist together if and only if some w has
-// v_i p(e_i) <= w/T for all corners i, and w/T < v_j p(e_j - 1) for all j with e_j > 0. This is linear in the taps.
+// Internal to the exact method: delays of all corners by one in-position width w. They are d = L + e with the control's
+// latency L, where e = min{e >= 0: v1 T p(e) <= w}. They exist together if some w has v_i p(e_i) <= w/T for all i, and
+// w/T < v_j p(e_j - 1) for all j with e_j > 0. This is linear in the taps.
 
 namespace accdec::exact {
 
