@@ -19,7 +19,7 @@ namespace accdec {
 namespace {
 
 constexpr std::size_t programs_max = 600;  // linear programs
-constexpr std::size_t plane_programs_max = 12'000;
+constexpr std::size_t plane_programs_max = 40'000;
 constexpr double kernel_work_max = 2.5e8;  // s, about 3e-9 times this
 constexpr double cell_ratio = 1.05;        // of one length of windows to the next
 constexpr int widenings_max = 24;
@@ -186,7 +186,7 @@ class MotionBound {
     if (!tries_planes_ || !work_.more(work_.plane_programs_left > 0)) return rounding * best;
     std::vector<PlaneLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
-    return rounding * std::max(best, planes_.time(legs));
+    return rounding * std::max(best, planes_.time(legs, best));
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.

@@ -35,7 +35,8 @@ double BoundRows::Multipliers::least(const std::vector<double>& costs, const std
 }
 
 BoundRows::Multipliers BoundRows::multipliers(const std::vector<double>& costs, const std::vector<double>& low,
-                                              const std::vector<double>& high) const {
+                                              const std::vector<double>& high,
+                                              std::vector<unsigned char>& basis) const {
   RowProgram program{columns_, {0}, {}, {}, costs, low, high, low_, high_};
   for (const auto& row : rows_) {
     for (const auto& [column, factor] : row) {
@@ -46,7 +47,7 @@ BoundRows::Multipliers BoundRows::multipliers(const std::vector<double>& costs, 
   }
   static auto* const row_duals = solvers::module_function<decltype(accdec_row_duals)>("clp", "accdec_row_duals");
   std::vector<double> dual;
-  row_duals(program, dual);
+  row_duals(program, dual, basis);
   Multipliers result;
   result.part.assign(costs.size(), 0.0);
   result.rows.assign(rows_.size(), 0.0);

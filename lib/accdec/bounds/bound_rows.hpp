@@ -26,9 +26,16 @@ class BoundRows {
   };
   /// Those of the least costs x with columns in [low, high]; valid whatever the solver ends with, and zeros if it
   /// fails.
+  /// @param basis  of the last program of as many rows and columns, or empty; becomes this one's
   /// @throws std::runtime_error if Clp's module cannot be loaded (solvers/module.hpp)
   Multipliers multipliers(const std::vector<double>& costs, const std::vector<double>& low,
-                          const std::vector<double>& high) const;
+                          const std::vector<double>& high, std::vector<unsigned char>& basis) const;
+  /// As above, from no basis.
+  Multipliers multipliers(const std::vector<double>& costs, const std::vector<double>& low,
+                          const std::vector<double>& high) const {
+    std::vector<unsigned char> none;
+    return multipliers(costs, low, high, none);
+  }
 
  private:
   int columns_;

@@ -88,7 +88,7 @@ void PlaneBound::make_planes(const std::vector<PlaneLeg>& legs) {
   }
 }
 
-double PlaneBound::known(const PlaneWindow& window) {
+double PlaneBound::found(const PlaneWindow& window) {
   std::vector<std::int64_t> key;
   const auto note = [&](double value, double unit) {
     key.push_back(value < unlimited ? std::llround(value / unit) : -1);
@@ -112,7 +112,7 @@ double PlaneBound::window(const PlaneLeg& in, const Plane& from, const PlaneLeg&
   PlaneWindow window{&in.tube, &out.tube, in.tolerance, from.normal, to.normal, from.second, to.first};
   // Straight to the corner and away from it.
   const double straight = from.second / norm(from.normal) + to.first / norm(to.normal) - 2.0 * in.tolerance;
-  double time = std::max(known(window), straight / std::max(feed_of(in), feed_of(out)));
+  double time = std::max(found(window), straight / std::max(feed_of(in), feed_of(out)));
   if (!from.tilted && !to.tilted)
     time = std::max(time, from.second / feed_of(in) + to.first / feed_of(out) - cut(in, out));
   return time;
@@ -126,14 +126,27 @@ double PlaneBound::rest(const PlaneLeg& leg, const AxisVector& normal, double wa
   window.out = &out;
   window.after_normal = normal;
   window.after = way;
-  return known(window);
+  return found(window);
 }
 
-double PlaneBound::time(const std::vector<PlaneLeg>& legs) {
+/// From every tenth window, s.
+double PlaneBound::expected(const std::vector<PlaneLeg>& legs) {
+  double sum = 0.0, way = 0.0, ways = 0.0;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    ways += legs[i].way;
+    if (i % 10 != 0 || i + 1 == legs.size() || !planes_[i].exists || !planes_[i + 1].exists) continue;
+    sum += window(legs[i], planes_[i], legs[i + 1], planes_[i + 1]);
+    way += planes_[i].second / feed_of(legs[i]) + planes_[i + 1].first / feed_of(legs[i + 1]);
+  }
+  return way > 0.0 ? sum / way * ways : unlimited;
+}
+
+double PlaneBound::time(const std::vector<PlaneLeg>& legs, double known) {
   make_planes(legs);
   const std::size_t count = legs.size();
   // At rest both ends of the section are as good as planes across its first and last leg.
   if (!planes_.front().exists || !planes_.back().exists) return -1.0;
+  if (expected(legs) < 0.9 * known) return -1.0;
   double sum = rest(legs.front(), planes_.front().normal, planes_.front().first) +
                rest(legs.back(), scaled(planes_.back().normal, -1.0), planes_.back().second);
   for (std::size_t i = 0; i + 1 < count;) {

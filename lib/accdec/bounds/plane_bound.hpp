@@ -30,8 +30,9 @@ class PlaneBound {
   PlaneBound(const Machine& machine, std::size_t dimensions, std::function<bool()> more)
       : machine_(machine), n_(dimensions), more_(std::move(more)) {}
 
-  /// s, from rest to rest; less than zero if there is no bound.
-  double time(const std::vector<PlaneLeg>& legs);
+  /// s, from rest to rest; less than zero if there is no bound, or if a part of the windows says that it is far below
+  /// what is known.
+  double time(const std::vector<PlaneLeg>& legs, double known = 0.0);
 
  private:
   struct Plane {
@@ -41,11 +42,12 @@ class PlaneBound {
     bool tilted = false;
   };
   void make_planes(const std::vector<PlaneLeg>& legs);
+  double expected(const std::vector<PlaneLeg>& legs);
   double acceleration_along(const AxisVector& direction) const;
   double corner_speed(const PlaneLeg& in, const PlaneLeg& out) const;
   double window(const PlaneLeg& in, const Plane& from, const PlaneLeg& out, const Plane& to);
   double rest(const PlaneLeg& leg, const AxisVector& normal, double way);
-  double known(const PlaneWindow& window);
+  double found(const PlaneWindow& window);
 
   const Machine& machine_;
   const std::size_t n_;

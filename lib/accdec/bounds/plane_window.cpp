@@ -10,9 +10,11 @@
 namespace accdec {
 namespace {
 
-constexpr int side = 8;  // steps before the corner, and after it
-constexpr double narrow = 0.02;
-constexpr int sectors_max = 24;
+constexpr int side = 12;  // steps before the corner, and after it
+// Steps grow away from the corner, where motions bend most: moment k of a side is at (k/side)^growth of its time.
+constexpr double growth = 1.3;
+constexpr double narrow = 0.008;
+constexpr int sectors_max = 40;
 
 /// Shares of the time after which the corner is passed.
 struct Shares {
@@ -30,16 +32,25 @@ double value(const std::array<double, 4>& powers, double time) {
   return powers[0] + time * (powers[1] + time * (powers[2] + time * powers[3]));
 }
 
+/// When moments -1 .. are, in shares of the time from the corner.
+struct Moments {
+  std::array<double, 2 * side + 2> shares{};
+  double operator()(int moment) const { return shares[static_cast<std::size_t>(moment + 1)]; }
+};
+
 /// The linear program for a range of shares. Columns are the positions from the corner at every moment.
 class PlaneProgram {
  public:
   PlaneProgram(const PlaneWindow& window, const Machine& machine, std::size_t dimensions, const Shares& shares,
-               double time)
+               double time, std::vector<unsigned char>& basis)
       : window_(window), machine_(machine), shares_(shares), time_(time), rows_(0) {
     corner_ = window.in == nullptr ? 0 : side;
     count_ = corner_ + side;
-    scale_.step_in = shares.low / side;
-    scale_.step_out = (1.0 - shares.high) / side;
+    for (int k = -1; k <= count_; ++k) {
+      const double part = std::pow(std::abs(k - corner_) / static_cast<double>(side), growth);
+      const double whole = k < corner_ && window.in != nullptr ? shares.low : 1.0 - shares.high;
+      at_.shares[static_cast<std::size_t>(k + 1)] = k < corner_ ? -whole * part : whole * part;
+    }
     double axes2 = 0.0;
     for (std::size_t a = 0; a < dimensions; ++a) {
       const bool moves = window.out->direction[a] != 0.0 || window.after_normal[a] != 0.0 ||
@@ -56,7 +67,7 @@ class PlaneProgram {
     for (std::size_t i = 0; i < active_.size(); ++i) add_axis(i);
     add_feed();
     add_places();
-    solve();
+    solve(basis);
   }
 
   /// The time that every motion of these shares takes at least, s.
@@ -93,52 +104,36 @@ class PlaneProgram {
     sides_.push_back(limit);
   }
 
-  /// Differences of steps k - length + 1 .. k of one side of the corner.
-  void add_difference(std::size_t i, int k, const std::vector<double>& difference,
-                      const std::array<double, 4>& powers) {
-    Entries entries;
-    for (int j = 0; j < static_cast<int>(difference.size()) && j <= k; ++j)
-      entries.emplace_back(column(k - j, i), difference[static_cast<std::size_t>(j)]);
-    add(entries, powers, true);
-  }
   void add_axis(std::size_t i) {
     const Axis& limits = machine_.axes[active_[i]];
     const double v = limits.velocity_max, a = acceleration_most(limits), jerk = limits.jerk_max;
     const bool rest = window_.in == nullptr;
     for (int k = 1; k <= count_; ++k) {
-      const double h = k <= corner_ ? scale_.step_in : scale_.step_out;
-      const int known = k <= corner_ ? k : rest ? 3 : k - corner_;  // steps of this side; at rest all before count
-      if (v < unlimited) add_difference(i, k, {1.0, -1.0}, {0.0, v * h, 0.0, 0.0});
-      if (a < unlimited && known >= 2 && k >= 2) add_difference(i, k, {1.0, -2.0, 1.0}, {0.0, 0.0, a * h * h, 0.0});
-      if (jerk < unlimited && known >= 3 && k >= 2)
-        add_difference(i, k, {1.0, -3.0, 3.0, -1.0}, {0.0, 0.0, 0.0, jerk * h * h * h});
+      add_divided(i, k - 1, 1, v);
+      if (k >= 2) add_divided(i, k - 2, 2, a / 2.0);
+      if (k >= (rest ? 2 : 3)) add_divided(i, k - 3, 3, jerk / 6.0);
     }
-    if (rest) {  // in the first step no farther than at the largest acceleration, or jerk, throughout
-      if (a < unlimited) add({{column(1, i), 1.0}}, {0.0, 0.0, 0.5 * a * scale_.step_out * scale_.step_out, 0.0}, true);
-      if (jerk < unlimited)
-        add({{column(1, i), 1.0}}, {0.0, 0.0, 0.0, jerk * scale_.step_out * scale_.step_out * scale_.step_out / 6.0},
-            true);
-      return;
-    }
-    // Across the corner, where the length of steps changes.
-    if (a < unlimited) add_divided(i, {corner_ - 1, corner_, corner_ + 1}, a / 2.0);
-    for (int k = corner_ - 2; jerk < unlimited && k < corner_; ++k)
-      add_divided(i, {k, k + 1, k + 2, k + 3}, jerk / 6.0);
+    if (!rest) return;
+    // In the first step no farther than at the largest acceleration, or jerk, throughout.
+    const double step = at_(1);
+    add({{column(1, i), 1.0}}, {0.0, 0.0, 0.5 * a * step * step, 0.0}, true);
+    add({{column(1, i), 1.0}}, {0.0, 0.0, 0.0, jerk * step * step * step / 6.0}, true);
   }
-  /// A divided difference of moments is at most `most`.
-  void add_divided(std::size_t i, const std::vector<int>& moments, double most) {
-    const auto at = [&](int k) { return (k - corner_) * (k < corner_ ? scale_.step_in : scale_.step_out); };
+  /// The divided difference of moments first .. first + order is at most `most`. Before a rest the motion is in the
+  /// corner.
+  void add_divided(std::size_t i, int first, int order, double most) {
+    if (!(most < unlimited)) return;
     double scale = unlimited;  // the largest factor becomes 1
     Entries entries;
-    for (const int k : moments) {
+    for (int k = first; k <= first + order; ++k) {
       double product = 1.0;
-      for (const int l : moments) product *= l == k ? 1.0 : at(k) - at(l);
-      entries.emplace_back(column(k, i), 1.0 / product);
+      for (int l = first; l <= first + order; ++l) product *= l == k ? 1.0 : at_(k) - at_(l);
+      if (k >= 0) entries.emplace_back(column(k, i), 1.0 / product);
       scale = std::min(scale, std::abs(product));
     }
     for (auto& entry : entries) entry.second *= scale;
     std::array<double, 4> powers{};
-    powers[moments.size() - 1] = most * scale;
+    powers[static_cast<std::size_t>(order)] = most * scale;
     add(entries, powers, true);
   }
 
@@ -151,7 +146,7 @@ class PlaneProgram {
       for (int k = 0; k < count_; ++k) {
         Entries entries = along(d, k + 1, 1.0);
         for (const auto& entry : along(d, k, -1.0)) entries.push_back(entry);
-        add(entries, {0.0, scale_.feed * (k < corner_ ? scale_.step_in : scale_.step_out), 0.0, 0.0}, false);
+        add(entries, {0.0, scale_.feed * (at_(k + 1) - at_(k)), 0.0, 0.0}, false);
       }
     }
   }
@@ -187,10 +182,9 @@ class PlaneProgram {
   /// How far a moment is from the corner, in units.
   double far(int moment, double time) const {
     if (window_.in == nullptr && moment == 0) return 0.0;
-    const double steps = moment <= corner_ ? (corner_ - moment) * scale_.step_in : (moment - corner_) * scale_.step_out;
-    return 1.001 * (scale_.speed * steps * time + window_.tolerance + 1e-3 * scale_.unit) / scale_.unit;
+    return 1.001 * (scale_.speed * std::abs(at_(moment)) * time + window_.tolerance + 1e-3 * scale_.unit) / scale_.unit;
   }
-  void solve() {
+  void solve(std::vector<unsigned char>& basis) {
     const std::size_t n = active_.size(), columns = (static_cast<std::size_t>(count_) + 1) * n;
     std::vector<double> high(columns), low(columns);
     costs_.assign(columns, 0.0);
@@ -202,7 +196,7 @@ class PlaneProgram {
       if (window_.in != nullptr) costs_[static_cast<std::size_t>(column(0, i))] += window_.before_normal[active_[i]];
       costs_[static_cast<std::size_t>(column(count_, i))] -= window_.after_normal[active_[i]];
     }
-    multipliers_ = rows_.multipliers(costs_, low, high);
+    multipliers_ = rows_.multipliers(costs_, low, high, basis);
   }
   /// The longest way along both normals in this time, by the multipliers, in units. It grows with the time.
   double way(double time) const {
@@ -223,10 +217,10 @@ class PlaneProgram {
   const Shares shares_;
   const double time_;  // s, that the multipliers are of
   struct {
-    double step_in = 0.0, step_out = 0.0;        // of the time
     double feed = 0.0, speed = 0.0, unit = 0.0;  // m/s, m/s, m
   } scale_;
-  int corner_ = 0, count_ = 0;       // moments
+  int corner_ = 0, count_ = 0;  // moments
+  Moments at_;
   std::vector<std::size_t> active_;  // axes
   LegPlane plane_;
   BoundRows rows_;
@@ -243,10 +237,11 @@ double plane_time(const PlaneWindow& window, const Machine& machine, std::size_t
   for (std::size_t a = 0; a < dimensions; ++a) axes2 += machine.axes[a].velocity_max * machine.axes[a].velocity_max;
   speed = std::min(speed, std::sqrt(axes2));
   if (!(speed < unlimited) || !(window.tolerance < unlimited)) return 0.0;
+  std::vector<unsigned char> basis;
   const auto least = [&](const Shares& shares, double guess) {
     double best = 0.0;
     for (int i = 0; i < 4 && more(); ++i) {
-      const double time = PlaneProgram(window, machine, dimensions, shares, guess).least_time();
+      const double time = PlaneProgram(window, machine, dimensions, shares, guess, basis).least_time();
       best = std::max(best, time);
       if (std::abs(time - guess) < 1e-2 * guess) break;
       guess = time > 0.0 ? time : 0.7 * guess;  // beyond the least time the planes alone bound the way
