@@ -87,6 +87,26 @@ def with_loads(accdec, home, task):
               f"{name}: {start['others']}")
 
 
+def binds_by_force(accdec, home, task):
+    """Behind a servo the force binds where its curve is at the limit, and nowhere else."""
+    code, file, servo = short_program(home), home / "loads.toml", LOADS["a servo"]
+    file.write_text(task.read_text() + servo)
+    peak = max(load["force_peak_N"] for load in planned(accdec, home, code, file, "fixed")[1]["axis_loads"])
+    bound = peak * (1 + 1e-6)
+    file.write_text(task.read_text() + servo.replace("force_max_N = 2000", f"force_max_N = {bound!r}"))
+    program = Program(accdec, code, "--task", file, cwd=home)
+    start = json.loads(program.ask("GET", program.path + "start")[1])["program"]
+    program.end()
+    plan, = start["plans"]
+    each = [load["values"] for load in plan["loads"] if load["kind"] == "force"]
+    uses = [max(map(abs, values)) / bound for values in zip(*each)]
+    names = [start["limits"][i] if i >= 0 else start["other"] for i in plan["binds"]]
+    full = {name for name, use in zip(names, uses) if use > 0.981}
+    check("force" in full and start["other"] not in full, f"behind a servo, at {bound} N: {full} binds")
+    low = min(use for name, use in zip(names, uses) if name == "force")
+    check(low > 0.979, f"where the force binds, {low:.1%} of it are used")
+
+
 def draws_loads(accdec, browser, home, task):
     """A row of force and power for every axis, with their limits or the name of one that is off the scale."""
     file = home / "loads.toml"

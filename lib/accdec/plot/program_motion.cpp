@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -32,27 +34,31 @@ double turn_at(const Toolpath& path, std::size_t b) {
   return std::acos(std::clamp(dot / std::sqrt(in2 * out2), -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// The limits of one machine, and how much of each a sample uses. Loads behind a servo are not those of the command,
-/// and are left out.
+/// The limit that is used most, if it is used to 98 % or more.
+struct MostUsed {
+  int limit = -1;  ///< index in `axis_limits`; -1: none
+  double use = 0.98;
+};
+
+/// The limits of one machine, and how much of each a sample uses.
 class Uses {
  public:
-  Uses(const Machine& machine, double period) : period_(period), loads_(!has_servo(machine)) {
+  /// @param loads, others  which limits are looked at
+  Uses(const Machine& machine, double period, bool loads, bool others)
+      : period_(period), loads_(loads), others_(others) {
     for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period, standing_speed(period))});
   }
-  /// Index in `axis_limits` of the limit that the next sample uses most; -1 if none is used to 98 %.
-  int next(const double* v) {
-    int binding = -1;
-    double most = 0.98;
+  /// The next sample. @param most  of it and of what was looked at before
+  void next(const double* v, MostUsed& most) {
     for (Followed& followed : axes_) {
       const AxisState state = followed.sampler.next(*v, (*v - followed.velocity) / period_);
       for (std::size_t i = 0; i < axis_limits.size(); ++i) {
-        if (axis_limits[i].load && !loads_) continue;
+        if (!(axis_limits[i].load ? loads_ : others_)) continue;
         const double use = axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound);
-        if (use > most) most = use, binding = static_cast<int>(i);
+        if (use > most.use) most = {static_cast<int>(i), use};
       }
       followed.velocity = *v++;
     }
-    return binding;
   }
 
  private:
@@ -62,8 +68,35 @@ class Uses {
     double velocity = 0.0;  ///< m/s, of the last sample
   };
   double period_;
-  bool loads_;
+  bool loads_, others_;
   std::vector<Followed> axes_;
+};
+
+/// Uses of the loads behind a servo, along with the samples of the command.
+class UsesBehind {
+ public:
+  UsesBehind(const Machine& machine, const Plan& plan, double period)
+      : uses_(machine, period, true, false), behind_(plan, period, true) {
+    more_ = behind_.next(sample_);
+  }
+  /// The most used of the samples since the last call up to number k. Steady motion has none there: then that of the
+  /// last call.
+  MostUsed up_to(std::int64_t k) {
+    if (more_ && sample_.number <= k) most_ = {};
+    while (more_ && sample_.number <= k) {
+      uses_.next(sample_.velocity.data(), most_);
+      behind_.pass_steady();
+      more_ = behind_.next(sample_);
+    }
+    return most_;
+  }
+
+ private:
+  Uses uses_;
+  Motion behind_;
+  Sample sample_;
+  bool more_;
+  MostUsed most_;
 };
 
 /// The dwells of a program: time at rest that it asks for, so that none of it is lost.
@@ -119,7 +152,8 @@ ProgramMotion motion_of(const ProgramResult& result) {
           result.cycle_time,
           [&result](const SampleVisitor& visit) { visit_samples(result, visit, Steady::passed); },
           bounds_of(result),
-          program_answer(result)};
+          program_answer(result),
+          &result.plan};
 }
 
 std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most) {
@@ -138,9 +172,17 @@ std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_
 }
 
 void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit) {
-  Uses uses(machine, motion.sample_period);
+  const bool servo = has_servo(machine);
+  Uses uses(machine, motion.sample_period, !servo, true);
+  std::optional<UsesBehind> behind;
+  if (servo && motion.plan != nullptr) behind.emplace(machine, *motion.plan, motion.sample_period);
+  const auto last = static_cast<std::int64_t>(std::llround(motion.cycle_time / motion.sample_period));
   motion.samples([&](std::int64_t k, const double* position, const double* velocity) {
-    visit(k, position, velocity, uses.next(velocity));
+    MostUsed most;
+    // The axes come to rest after the command.
+    if (behind) most = behind->up_to(k < last ? k : std::numeric_limits<std::int64_t>::max());
+    uses.next(velocity, most);
+    visit(k, position, velocity, most.limit);
   });
 }
 

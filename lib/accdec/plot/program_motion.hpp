@@ -20,6 +20,7 @@ struct ProgramMotion {
                                                       ///< of steady motion for the first and last ones only
   std::vector<NamedBound> bounds;                     ///< of its time; may be empty
   std::string answer{};                               ///< what to set in a control; may be empty
+  const Plan* plan = nullptr;                         ///< for the loads behind a servo; none: they are left out
 };
 /// The motion of a plan. The reference is kept.
 ProgramMotion motion_of(const ProgramResult& result);
@@ -28,7 +29,8 @@ double speed_of(const double* velocity, std::size_t axes);   ///< m/s, of all ax
 double block_feed(const Toolpath& path, std::size_t block);  ///< m/s, of all axes
 
 /// Takes sample k, its position (m), its velocity (m/s, of every axis) and the index in `axis_limits` of the limit that
-/// binds there. This is the limit used most, if it is used to 98 % or more; -1 if there is none.
+/// binds there. This is the limit used most, if it is used to 98 % or more; -1 if there is none. Loads are those of the
+/// motion behind a servo, all other limits are of the command.
 using VelocityVisitor =
     std::function<void(std::int64_t k, const double* position, const double* velocity, int binding)>;
 /// Every sample of a motion. @param machine  as many axes as the path, or none

@@ -15,7 +15,8 @@ namespace accdec {
 namespace {
 
 constexpr const char* behind_servo =
-    "<p>Path, speed and limits are those of the command. The axes follow behind it with their servo.</p>\n";
+    "<p>Path, speed and acceleration are those of the command. The axes follow behind it with their servo: force and "
+    "power are theirs.</p>\n";
 constexpr std::int64_t page_points_max = 40'000;
 
 /// The path as the script draws it, across and upwards: coefficients of the path's columns.
