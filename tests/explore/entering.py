@@ -1,4 +1,4 @@
-"""Controls of the page of a task: one for every key, what is offered, sliders over decades, fields without a number."""
+"""Controls of the page of a task: every key, what is offered, sliders over decades, fields without a number or a list."""
 import json
 import subprocess
 import time
@@ -100,3 +100,31 @@ def no_number(page):
           "the last number is back, and so is the badge")
     said = page.value(f"{field}.parentElement.querySelector('[role=alert]').textContent")
     check("is back" in said, said)
+
+
+def no_list(page):
+    """A list without its bracket greys the answer and is not saved; a whole one is taken at once."""
+    task = {**json.loads(page.value("document.body.dataset.task")), "controller": {"prefilter_taps": [0.1] * 10}}
+    page.value(f"accdecPage.state.replace({json.dumps(task)})")
+    page.settle()
+    field = "document.querySelector('#controller-prefilter_taps')"
+    state = (f"[document.body.classList.contains('unread'), {field}.validity.valid,"
+             " accdecPage.state.task.controller.prefilter_taps]")
+    page.enter("#controller-prefilter_taps", "[0.9, 0.1", "input")
+    check(page.value(state) == [True, False, [0.1] * 10], "a list without its end greys the answer")
+    said = page.value("accdecPage.pageText().then(() => 'saved', (error) => error.message)")
+    check(said == "not saved: a field has no number that is allowed", said)
+    page.enter("#controller-prefilter_taps", json.dumps([0.05] * 2 + [0.1] * 9), "input")
+    check(page.value(state) == [False, True, [0.05] * 2 + [0.1] * 9], "a whole one is taken")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
+def long_number(page):
+    """A number with all digits of a double is seen whole in its field."""
+    page.value("accdecPage.state.set([[['corner', 0, 'error_max_um'], 234.5678901234567]])")
+    field = "document.querySelector('#corner-0-error_max_um')"
+    shown = page.value(f"(f => [f.value, f.scrollWidth, f.clientWidth])({field})")
+    check(shown[0] == "234.5678901234567" and shown[1] <= shown[2], f"{shown[0]} takes {shown[1]} of {shown[2]} px")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()

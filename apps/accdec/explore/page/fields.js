@@ -1,7 +1,7 @@
 // Inputs for a value of a task, by the type of its key.
 import { make } from "./format.js";
 import { firstValue, neededBy } from "./keys.js";
-import { slider } from "./slider.js";
+import { markUnread, slider } from "./slider.js";
 
 /**
  * @param state   the task
@@ -53,14 +53,27 @@ export function field(key, path, { id, state, put, table, updates }) {
     return choice;
   }
   const text = make("input", { type: "text", id, value: key.type === "text" ? now() : JSON.stringify(now()) });
-  text.addEventListener("change", () => {
-    if (key.type === "text") return put(text.value);
-    try {
-      put(JSON.parse(text.value));
-    } catch {
-      text.setCustomValidity("a list of numbers in brackets");
-      text.reportValidity();
-    }
-  });
+  if (key.type === "text") text.addEventListener("change", () => put(text.value));
+  else onList(text, put);
   return text;
+}
+
+function listOf(text) {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return undefined;
+  }
+}
+
+/** While a field holds no list, the answer on the page is not about what it shows; leaving the field says so. */
+function onList(field, put) {
+  field.addEventListener("input", () => {
+    const list = listOf(field.value);
+    field.setCustomValidity(list === undefined ? "a list of numbers in brackets" : "");
+    field.classList.toggle("wrong", list === undefined);
+    markUnread();
+    if (list !== undefined) put(list);
+  });
+  field.addEventListener("change", () => field.reportValidity());
 }

@@ -2,6 +2,7 @@
 import { make } from "./format.js";
 
 const steps = 240;
+const beside_slider = 7; // characters of a number that its field has room for beside the slider
 
 /** A number of three digits. */
 const round = (x) => Number(x.toPrecision(3));
@@ -114,8 +115,10 @@ export function slider(key, id, now, put) {
     (said.textContent = text ?? ""), (said.hidden = !text);
     markUnread();
   };
+  const element = make("span", { class: "number" }, range, number, said);
   const show = (source) => {
     const value = now();
+    element.classList.toggle("long", String(value).length > beside_slider);
     if (source !== number) {
       number.value = value;
       if (number.classList.contains("wrong")) wrong(null);
@@ -155,7 +158,7 @@ export function slider(key, id, now, put) {
   });
   show();
   return {
-    element: make("span", { class: "number" }, range, number, said),
+    element,
     update: () => show(document.activeElement === number ? number : undefined),
   };
 }
