@@ -107,6 +107,27 @@ def binds_by_force(accdec, home, task):
     check(low > 0.979, f"where the force binds, {low:.1%} of it are used")
 
 
+def loads_on_paper(browser):
+    """Force and power of an axis stand beside each other, numbers of all charts are as large, an open corner is named."""
+    browser.value("accdecProgram.state.set({ corner: '0' }), dispatchEvent(new Event('beforeprint'))")
+    browser.page("Emulation.setEmulatedMedia", media="print")
+    browser.page("Emulation.setDeviceMetricsOverride", width=717, height=1000, deviceScaleFactor=1, mobile=False)
+    charts = browser.value("""[...document.querySelectorAll('#over-time section')].map((s) => {
+        const canvas = s.querySelector('canvas'), box = canvas.getBoundingClientRect();
+        return [s.querySelector('h2').textContent.split(' / ')[0], box.top, box.width / canvas.width]; })""")
+    tops = {title: top for title, top, _ in charts}
+    for axis in browser.value("accdecProgram.program.axes"):
+        check(tops[f"force of {axis}"] == tops[f"power of {axis}"], f"force and power of {axis} are one row of paper")
+    scales = [scale for *_, scale in charts]
+    check(0.95 < min(scales) <= max(scales) < 1.05, f"charts are shrunk by {min(scales):.3f} to {max(scales):.3f}")
+    said = browser.value("[document.querySelector('#corner').innerText,"
+                         " getComputedStyle(document.querySelector('#corner'), '::after').content]")
+    check(said[0].endswith("mm/min") and "open on the page" in said[1], f"{said[0]}: {said[1]}")
+    browser.page("Emulation.setEmulatedMedia", media="")
+    browser.page("Emulation.setDeviceMetricsOverride", width=1200, height=1000, deviceScaleFactor=1, mobile=False)
+    browser.value("dispatchEvent(new Event('afterprint'))")
+
+
 def draws_loads(accdec, browser, home, task):
     """A row of force and power for every axis, with their limits or the name of one that is off the scale."""
     file = home / "loads.toml"
@@ -130,5 +151,6 @@ def draws_loads(accdec, browser, home, task):
         named = f"; limit {far}{bound}, off scale" in title
         check(named != (low <= bound <= high), f"{title}: from {low:.3g} to {high:.3g}, the limit is {bound}")
     check(len({"off scale" in title for title, *_ in shown}) == 2, "some limits are in the picture, others are named")
+    loads_on_paper(browser)
     browser.open("about:blank")
     program.end()

@@ -92,7 +92,7 @@ function loadRows({ loads }) {
 }
 
 /** @returns [title, values of a plan, bounds above and below zero, or null][]: a row of charts */
-function rowsOf(program, plan, speeds) {
+function rowsOf(program, loads, speeds) {
   const name = (i) => program.axes[i];
   const both = (bound) => [bound, bound === null ? null : -bound];
   const beyond = speeds.most ? `, rapid moves up to ${four(speeds.most)} beyond the picture` : "";
@@ -103,7 +103,7 @@ function rowsOf(program, plan, speeds) {
       [`acceleration of ${name(a)} / mm/s\u00b2`, (p) => p.accelerations_mm_s2[a], both(program.acceleration_max[a])],
       [`jerk of ${name(a)} / mm/s\u00b3`, (p) => p.jerks_mm_s3[a], both(program.jerk_max[a])],
     ]),
-    ...loadRows(plan),
+    ...loads,
     program.axes.map((axis, a) => [`${axis} / mm`, (p) => p.places_mm[a], null]),
   ];
 }
@@ -115,6 +115,15 @@ export function fit(charts) {
   for (const { root } of charts) root.hidden = true; // a place is not held open by what is in it
   const sizes = charts.map(({ root }) => size(root.parentElement));
   charts.forEach((chart, i) => ((chart.root.hidden = false), chart.setSize(sizes[i])));
+}
+
+/** Makes charts about as large as they are on paper, so that their numbers are. There `fit` knows no places. */
+export function fitPaper(charts) {
+  for (const chart of charts) {
+    const section = chart.root.closest("section");
+    const half = section.matches(".three > :not(.loads > :nth-child(3))");
+    chart.setSize({ width: half ? 336 : 685, height: 170 });
+  }
 }
 
 /**
@@ -131,8 +140,9 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
   const speeds = rangeOf(plan.speed_mm_s);
   const charts = [];
   place.replaceChildren();
-  for (const row of rowsOf(program, plan, speeds)) {
-    const line = make("div", { class: row.length > 1 ? "three" : undefined });
+  const loads = loadRows(plan);
+  for (const row of rowsOf(program, loads, speeds)) {
+    const line = make("div", { class: `${row.length > 1 ? "three" : ""} ${loads.includes(row) ? "loads" : ""}`.trim() });
     place.append(line);
     const drawn = row.map((one) => {
       const draw = make("div", { class: "draw", "aria-label": one[0] }),

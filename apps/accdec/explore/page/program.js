@@ -3,7 +3,7 @@ import { cornerText, openCorner } from "./corner.js";
 import { cornerList } from "./corner_list.js";
 import { $, four, instant, make, table } from "./format.js";
 import { showUndo, undoByKeys } from "./history.js";
-import { fit, nearestTo, timeCharts, zoomTo } from "./over_time.js";
+import { fit, fitPaper, nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
 import { baseName, frozen, Saving } from "./save.js";
 import { Scene } from "./scene.js";
@@ -261,14 +261,18 @@ const saving = new Saving();
 const file = `${baseName(program.name.replace(/^.*[/]|[.][^.]*$/g, ""))}.html`;
 const say = (text) => ($("#info").textContent = text || "\u00a0");
 $("#save").addEventListener("click", () => saving.save(pageText, file, say));
+/** Charts of another size. */
+function sized(fit) {
+  const { at } = state.now; // charts that are resized move their cursors
+  fit(charts);
+  requestAnimationFrame(() => pointAt(at));
+}
 addEventListener("resize", () => {
   clearTimeout(drawTime.later);
-  drawTime.later = setTimeout(() => {
-    const { at } = state.now; // charts that are resized move their cursors
-    fit(charts);
-    requestAnimationFrame(() => pointAt(at));
-  }, 200);
+  drawTime.later = setTimeout(() => sized(fit), 200);
 });
+addEventListener("beforeprint", () => sized(fitPaper));
+addEventListener("afterprint", () => sized(fit));
 show(state.now);
 cornerList(program, { addressOf, feedsOf, open: choose });
 document.title = `accdec explore: ${program.name}`;
