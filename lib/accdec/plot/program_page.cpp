@@ -67,7 +67,8 @@ std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMo
   std::string names, axes, colours;
   for (std::size_t i = 0; i < axis_limits.size(); ++i) {
     names += fmt::format("\"{}\",", binding_name(static_cast<int>(i)));
-    colours += fmt::format("\"{}\",", figure_style::colours.at(1 + i));
+    // The colour of no limit is grey.
+    colours += fmt::format("\"{}\",", figure_style::colours.at((1 + i) % figure_style::baseline_style));
   }
   for (std::size_t a = 0; a < places.size(); ++a) {
     axes += fmt::format("\"{}\",", path.axis_name(a));
