@@ -116,7 +116,7 @@ class Draw {
       // The error of a moving average without delay, Eq. (6) of Shih, Chen and Lee, sets the scale.
       const double scale =
           in * samples_ * task_.sample_period / 4.0 * std::max(std::cos(angle / 2.0), 0.05) * (is("speed") ? 4.0 : 1.0);
-      if (is("fixed-delay") || (several_ && chance(0.1)))
+      if (is("fixed-delay") || (several_ && !is("in-position") && chance(0.1)))
         corner.delay = whole(0, 6);
       else
         corner.error_max = scale * (chance(0.03) ? 0.0 : uniform(0.05, 1.3));
