@@ -48,7 +48,7 @@ void ConvexRows::leave_broken_in_window(const Filter& filter, const Box& box, do
   std::erase_if(rows, [&](const proof::Row& id) {
     const auto* force = std::get_if<proof::EventForce>(&id);
     const SparseRow sparse = force != nullptr ? row(*force, box) : row(std::get<proof::Blend>(id), box);
-    std::ranges::fill(weights, 0.0);
+    std::fill(weights.begin(), weights.end(), 0.0);
     add_motion(sparse, 1.0, true, weights);
     return std::inner_product(weights.begin(), weights.end(), filter.taps().begin(), sparse.constant) <= 1.0 + slack;
   });
