@@ -1,4 +1,4 @@
-"""Controls of the page of a task: every key, what is offered, sliders over decades, fields without a number or a list."""
+"""Controls of the page of a task: every key, offers, sliders over decades, fields without a number or a list."""
 import json
 import subprocess
 import time

@@ -108,7 +108,7 @@ def binds_by_force(accdec, home, task):
 
 
 def loads_on_paper(browser):
-    """Force and power of an axis stand beside each other, numbers of all charts are as large, an open corner is named."""
+    """Force and power of an axis stand side by side, numbers of all charts are as large, an open corner is named."""
     browser.value("accdecProgram.state.set({ corner: '0' }), dispatchEvent(new Event('beforeprint'))")
     browser.page("Emulation.setEmulatedMedia", media="print")
     browser.page("Emulation.setDeviceMetricsOverride", width=717, height=1000, deviceScaleFactor=1, mobile=False)

@@ -10,6 +10,7 @@
 #include <accdec/design/merged_result.hpp>
 #include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/exact/exact.hpp>
+#include <accdec/exact/one_width.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
@@ -89,12 +90,12 @@ DesignResult stop_before_a_response(const Task& task, int order, bool shortest, 
 }
 
 /// Keeps the orders of filters whose exact stops have the given delays; false if there are none. An exact stop starts
-/// leg 2 when the filter has ended, or up to two samples later.
+/// leg 2 when the filter has ended, or a little later.
 bool keep_given_stops(Task& task) {
   DesignBounds& range = task.design;
   for (const TaskCorner& corner : task.corners) {
     if (!corner.delay) continue;
-    range.order_min = std::max(range.order_min, *corner.delay - 2);
+    range.order_min = std::max(range.order_min, *corner.delay - exact_stop_more);
     range.order_max = std::min(range.order_max, *corner.delay);
   }
   return range.order_min <= range.order_max;
@@ -186,8 +187,7 @@ void offer_one_kind(const Task& any, bool stops, const DesignOptions& options, C
 
 /// Whether the exact method knows the delays: several corners of one in-position width. A single corner may have any.
 bool is_one_width(const Task& task) {
-  return task.settings->delays == std::vector{DelayKind::in_position} && task.corners.size() > 1 &&
-         !task.design.symmetric && exact_covers(task);
+  return exact::by_one_width(task) && task.corners.size() > 1 && !task.design.symmetric && exact_covers(task);
 }
 
 /// The best filter with one in-position width for all corners, with its bound.

@@ -80,11 +80,13 @@ bool LinearProgram::cut(const Filter& filter, const Box& box, double allowed) {
   if (!kind_.window) {
     for (const Chord& chord : model_.chords.broken(filter, box, broken())) added |= add_limit(row_of(chord), box);
   }
-  std::optional<Filter> made;
-  const auto width = broken_width(model_.task(), filter, model_.rows.smoothing().behind(filter, made), box);
-  if (width && !names_.known(proof::Row(*width))) {
-    add(*drafts_.width(*width, box), proof::Row(*width));
-    added = true;
+  if (by_one_width(model_.task())) {
+    std::optional<Filter> made;
+    const auto width = broken_width(model_.task(), filter, model_.rows.smoothing().behind(filter, made), box);
+    if (width && !names_.known(proof::Row(*width))) {
+      add(*drafts_.width(*width, box), proof::Row(*width));
+      added = true;
+    }
   }
   return cut_vibration(filter, box) || added;
 }

@@ -64,7 +64,6 @@ std::optional<WidthRow> width_row(const Task& task, const proof::Width& id, cons
 
 std::optional<proof::Width> broken_width(const Task& task, const Filter& designed, const Filter& command,
                                          const Box& box) {
-  if (!by_one_width(task)) return std::nullopt;
   std::optional<proof::Width> worst;
   double most = -0.9 * width_margin;
   const int count = static_cast<int>(box.corners.size());

@@ -27,7 +27,7 @@ bool order_by_width(const Task& task, std::vector<CornerBox>& corners);
 /// The row of a pair of corners in a box, in samples of the faster corner's feed.
 struct WidthRow {
   double within = 0.0, before = 0.0;         ///< feeds over the faster one
-  int sample_within = 0, sample_before = 0;  /// e_i at most, e_j - 1 at least
+  int sample_within = 0, sample_before = 0;  ///< e_i at most, e_j - 1 at least
   bool actual = false;                       ///< weights of designed taps; else of the command's
 
   double weight(const Box& box, int tap) const;
@@ -38,7 +38,7 @@ std::optional<WidthRow> width_row(const Task& task, const proof::Width& id, cons
 /// Samples by which verification may see the row broken, and by which designs keep it.
 inline constexpr double width_granted = 1e-9, width_margin = 1e-6;
 
-/// The pair of corners whose row a filter breaks most, if it does not keep the margin.
+/// The pair of corners whose row a filter breaks most, if it does not keep the margin. For tasks of one width.
 std::optional<proof::Width> broken_width(const Task& task, const Filter& designed, const Filter& command,
                                          const Box& box);
 

@@ -20,9 +20,6 @@ constexpr double same_width = 1e-9;
 /// The state of a delay of which only the error was looked at.
 constexpr signed char only_error = 2;
 
-/// Samples that a limit may ask for at an exact stop, behind the least delay at which the legs do not overlap.
-constexpr int exact_stop_more = 2;
-
 bool names(const std::vector<DelayKind>& kinds, DelayKind kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }

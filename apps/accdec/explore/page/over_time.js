@@ -142,7 +142,8 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
   place.replaceChildren();
   const loads = loadRows(plan);
   for (const row of rowsOf(program, loads, speeds)) {
-    const line = make("div", { class: `${row.length > 1 ? "three" : ""} ${loads.includes(row) ? "loads" : ""}`.trim() });
+    const classes = [row.length > 1 && "three", loads.includes(row) && "loads"].filter(Boolean).join(" ");
+    const line = make("div", { class: classes });
     place.append(line);
     const drawn = row.map((one) => {
       const draw = make("div", { class: "draw", "aria-label": one[0] }),

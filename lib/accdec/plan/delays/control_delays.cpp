@@ -6,6 +6,7 @@
 
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/simulate/command_stream.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 namespace {
@@ -62,7 +63,7 @@ class DelaySink {
     if (delay == 0 && control.names(DelayKind::corner_feed) && lowered_beside(path_, b)) return DelayKind::corner_feed;
     if (delay == 0 && control.names(DelayKind::continuous)) return DelayKind::continuous;
     const bool stops = delay >= apart_ && control.names(DelayKind::exact_stop);
-    if (stops && delay <= apart_ + stop_slack) return DelayKind::exact_stop;
+    if (stops && delay <= apart_ + exact_stop_more) return DelayKind::exact_stop;
     if (control.names(DelayKind::dwell)) return DelayKind::dwell;
     if (control.names(DelayKind::timed_axis)) return DelayKind::timed_axis;
     if (control.width > 0.0 && control.names(DelayKind::in_position)) {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 
@@ -52,7 +53,7 @@ std::optional<int> control_delay(const ControlDelays& control, const Filter& fil
   if (least == 0 && control.names(DelayKind::continuous)) return 0;
   const int apart = exact_stop_of(filter);
   std::optional<int> best;
-  if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + stop_slack)
+  if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + exact_stop_more)
     best = stop;
   if (!control.names(DelayKind::in_position) || !(control.width > 0.0)) return best;
   int low = -1, high = filter.order() + 1;  // the way left falls to 0

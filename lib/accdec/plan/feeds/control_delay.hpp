@@ -32,9 +32,6 @@ double commanded_feed(const Toolpath& path, std::size_t b);
 /// move beside a feed move has no more than that one's.
 std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b);
 
-/// Samples beyond an exact stop that a limit may ask for.
-inline constexpr int stop_slack = 2;
-
 /// The least delay, samples, with which the legs of a corner do not overlap.
 inline int exact_stop_of(const Filter& filter) {
   return std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());

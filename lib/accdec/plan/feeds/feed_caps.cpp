@@ -6,6 +6,7 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/feed_caps.hpp>
 #include <accdec/task/corner_feed.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 namespace {
@@ -132,7 +133,7 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   };
   const double alone = std::max(slowest * feed_max, largest(b, feed_max, true, false));
   const int apart = std::max(rest, within(alone));
-  CornerFeed best{alone, alone, stops || path_.control.any() || apart <= rest + stop_slack ? apart : longest};
+  CornerFeed best{alone, alone, stops || path_.control.any() || apart <= rest + exact_stop_more ? apart : longest};
   double least = best.delay * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
   const bool slow_only = !stops && runs_on(path_.control), stepped = !stops && feed_step_ > 0.0;
   if (slow_only) best = {slowest * feed_max, slowest * feed_max, 0}, least = unlimited;
