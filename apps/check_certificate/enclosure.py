@@ -35,10 +35,9 @@ def whole(x, least=-(10**8), most=10**8):
 
 def each(f, *xs):
     """f of whole numbers; if some of them are lists, of their items beside the single ones."""
-    for x in xs:
-        if type(x) is list:
-            return list(map(f, *(x if type(x) is list else repeat(x) for x in xs)))
-    return f(*xs)
+    if list not in map(type, xs):
+        return f(*xs)
+    return list(map(f, *(x if type(x) is list else repeat(x) for x in xs)))
 
 
 def _least(a, b, c, d):

@@ -104,7 +104,7 @@ def passes_too_late(problem, controller, member, room):
         return dear(plain)
     # One width for all corners: the smaller it is, the longer each delay. Widths that are as good as equal are one.
     ways = ways_left(member.moved if controller.get("in_position_of") == "actual" else member.gone)
-    free = [(j, c.feed_in) for j, c in enumerate(problem.corners) if c.delay is None]
+    free = [(j, exact(c.feed_in).lo) for j, c in enumerate(problem.corners) if c.delay is None]
     steps = sorted((x * feed, j) for j, feed in free for x, most in zip(ways.lo, ways.hi) if most)
     latency = round(number(controller.get("in_position_latency_ms", 0)) / 1000 / problem.period)
     delays = [latency if c.delay is None else inf for c in problem.corners]
@@ -113,8 +113,8 @@ def passes_too_late(problem, controller, member, room):
             return False
         if not steps:
             break
-        width = steps[-1][0]
-        while steps and steps[-1][0] * END >= width:
+        width = ceil(steps[-1][0] / END)
+        while steps and steps[-1][0] >= width:
             delays[steps.pop()[1]] += 1
     return True
 
@@ -122,14 +122,13 @@ def passes_too_late(problem, controller, member, room):
 def refute(problem, task, target):
     """Numbers of members refuted, by family: all that cost less than the target. None: all there are."""
     given = sum(c.weight * c.delay for c in problem.corners if c.delay is not None)
-    limits, refuted, end, room = Limits(problem), Counter(), problem.order_max + 1, inf
+    limits, refuted, end = Limits(problem), Counter(), problem.order_max + 1
     if target is not None:
         target *= 1 - ROUNDING
         end = min(end, max(0, ceil((target - given) / problem.filter_cost) - 1))
     for family, taps in Members(problem, task["design"], end):
         member = Filter(problem, limits, taps)
-        if target is not None:
-            room = target - problem.filter_cost * len(taps.lo)
+        room = inf if target is None else target - problem.filter_cost * len(taps.lo)
         broken = member.starts_or_stops_break() or member.rings()
         if not broken and not passes_too_late(problem, task.get("controller", {}), member, room):
             members.not_refuted(f"a member of the family {family} with {len(taps.lo)} taps is not refuted")

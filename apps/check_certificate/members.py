@@ -18,7 +18,7 @@ class Filter:
         self.problem, self.limits = problem, limits
         self.command = self.taps = taps / taps.total()
         self.gone = self.taps.sums()  # B_k of the command
-        self.breaks = lru_cache(None)(self.breaks)
+        self.breaks, self.ways = lru_cache(None)(self.breaks), lru_cache(None)(self.ways)
 
     @cached_property
     def moved(self):
@@ -60,10 +60,13 @@ class Filter:
                     return True
         return False
 
+    def ways(self, feed_in, feed_out):
+        return ways_left(self.moved) * feed_in, self.moved[1:].sums() * feed_out
+
     def positions(self, corner, delay):
         """Ways that leg 1 has to go and leg 2 has gone, over the period, at every sample."""
-        rest = Enclosure([0] * delay)
-        return ways_left(self.moved).then(rest) * corner.feed_in, rest.then(self.moved[1:].sums()) * corner.feed_out
+        (to_go, gone), rest = self.ways(corner.feed_in, corner.feed_out), Enclosure([0] * delay)
+        return to_go.then(rest), rest.then(gone)
 
     def too_far(self, corner, delay):
         """Whether every sample is farther from the corner than its error allows."""

@@ -54,11 +54,9 @@ class Families(unittest.TestCase):
         self.assertIs(accepted, False)
 
     def test_widths_gaussians_and_axes_as_they_are(self):
-        """Each with a tolerance that allows shorter ones, which the proof then misses."""
+        """Each with a tolerance that allows shorter ones, which the proof then misses. ShippedProofs accepts them."""
         for name in ("in-position", "gaussian-or-sinc", "axes-as-they-are"):
             result = json.loads(design(ROOT / f"problems/settings/{name}.toml"))
-            accepted, words = verdict(result)
-            self.assertIs(accepted, True, words)
             for corner in result["task"]["corner"]:
                 corner["error_max_um"] *= 1.2
             accepted, words = verdict(result)

@@ -35,7 +35,7 @@ def resized(browser, check):
 
 
 def no_empty_part(browser, check, what):
-    """What is last in a row of drawings ends where the row ends."""
+    """What is last in a row of drawings ends where the row ends. Charts of one row begin at one height."""
     ends = browser.value("""[...document.querySelectorAll(".two, .three")].filter((r) => r.getClientRects().length)
         .flatMap((row) => {
             const right = row.getBoundingClientRect().right, ends = new Map();
@@ -46,3 +46,12 @@ def no_empty_part(browser, check, what):
             return [...ends.values()].map((end) => right - end);
         })""")
     check(ends and max(ends) < 2, f"{what}: no part of {len(ends)} rows of drawings is empty")
+    level = browser.value("""[...document.querySelectorAll(".three, #motion")].every((row) => {
+            const tops = new Map();
+            for (const one of row.querySelectorAll(".draw")) {
+                const top = Math.round(one.parentElement.getBoundingClientRect().top);
+                tops.set(top, new Set(tops.get(top)).add(Math.round(one.getBoundingClientRect().top)));
+            }
+            return [...tops.values()].every((heights) => heights.size === 1);
+        })""")
+    check(level, f"{what}: charts of one row are level")

@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -75,6 +79,49 @@ TEST(PlotProgram, LegsHaveTheColourOfTheirSpeedAndRapidMovesNone) {
   ASSERT_EQ(drawn.series.size(), 1U) << "the rapid move by itself";
   EXPECT_THAT(drawn.series[0].x, testing::ElementsAre(50.0, 0.0));
   EXPECT_EQ(value_at(drawn, 25.0, 25.0, 20.0), -1.0);
+}
+
+// The power of all axes together from the velocities: m a v of each.
+TEST(PlotProgram, TheSupplyOfAllAxesBindsByName) {
+  Task task;
+  task.machine.axes.assign(2, {});
+  task.machine.axes[0].name = "x", task.machine.axes[1].name = "y";
+  for (Axis& axis : task.machine.axes) axis.mass = 30.0, axis.force_max = 1e6;
+  LineSource source("part.ngc", "G1 F6000 X50\nX80 Y40\nY70\n");
+  ToolpathOptions options;
+  options.error_max = 20e-6;
+  const ProgramResult result =
+      run_program("part.ngc", read_toolpath(source, task.machine, options), trapezoid(40, 10), task);
+  std::vector<double> powers, before(2, 0.0);
+  std::vector<int> binds;
+  const auto visit = [&](std::int64_t, const double*, const double* v, int binding) {
+    double power = 0.0;
+    for (std::size_t a = 0; a < 2; ++a)
+      power += 30.0 * (v[a] - std::exchange(before[a], v[a])) / result.sample_period * v[a];
+    powers.push_back(power), binds.push_back(binding);
+  };
+  visit_velocities(task.machine, motion_of(result), visit);
+  const auto [most_braking, most] = std::ranges::minmax(powers);
+  ASSERT_GT(most, 0.0);
+  ASSERT_LT(most_braking, 0.0);
+  EXPECT_THAT(binds, testing::Each(-1));
+
+  task.machine.power_total_max = most, task.machine.regeneration_total_max = -most_braking;
+  powers.clear(), binds.clear(), before.assign(2, 0.0);
+  visit_velocities(task.machine, motion_of(result), visit);
+  std::array<int, 3> seen{};
+  for (std::size_t i = 0; i < powers.size(); ++i) {
+    const double motoring = powers[i] / most, braking = powers[i] / most_braking;
+    if (std::abs(std::max(motoring, braking) - 0.98) < 1e-6) continue;
+    const bool draws = motoring > 0.98, gives = braking > 0.98;
+    ++seen.at(draws ? 0 : gives ? 1 : 2);
+    EXPECT_EQ(binding_name(binds[i]), binding_name(draws ? 7 : gives ? 8 : -1)) << i;
+  }
+  EXPECT_THAT(seen, testing::Each(testing::Gt(0)));
+  EXPECT_EQ(binding_name(7), "power_total");
+  EXPECT_EQ(binding_name(8), "regeneration_total");
+  const auto styles = binding_styles(task.machine);
+  EXPECT_NE(styles[7], styles[8]);
 }
 
 // At corners feeds are chosen in short slow parts of blocks; the drawing's pixel is 0.08 mm here.

@@ -234,14 +234,19 @@ std::string program_start_json(const std::string& name, const Task& task, double
   Json program{{"name", name},
                {"axes", Json::array()},
                {"limits", Json::array()},
-               {"colours", figure_style::colours},
+               {"colours", Json::array()},
+               {"other_colour", figure_style::colours.at(figure_style::baseline_style)},
                {"palette", figure_style::line_palette},
                {"velocity_max", bounds_json(machine, &Axis::velocity_max)},
                {"acceleration_max", bounds_json(machine, &Axis::acceleration_max)},
                {"jerk_max", bounds_json(machine, &Axis::jerk_max)},
                {"plans", Json::array()}};
   for (std::size_t a = 0; a < path.dimensions(); ++a) program["axes"].push_back(path.axis_name(a));
-  for (std::size_t i = 0; i < axis_limits.size(); ++i) program["limits"].push_back(binding_name(static_cast<int>(i)));
+  const auto styles = binding_styles(machine);
+  for (std::size_t i = 0; i < binding_limits; ++i) {
+    program["limits"].push_back(binding_name(static_cast<int>(i)));
+    program["colours"].push_back(figure_style::colours.at(static_cast<std::size_t>(styles[i])));
+  }
   program["other"] = binding_name(-1);
   Planner planner(name, file, task, tell);
   planner.fixed();

@@ -11,6 +11,7 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/simulate/command_stream.hpp>
@@ -36,7 +37,7 @@ double turn_at(const Toolpath& path, std::size_t b) {
 
 /// The limit that is used most, if it is used to 98 % or more.
 struct MostUsed {
-  int limit = -1;  ///< index in `axis_limits`; -1: none
+  int limit = -1;  ///< as in `VelocityVisitor`
   double use = 0.98;
 };
 
@@ -45,19 +46,24 @@ class Uses {
  public:
   /// @param loads, others  which limits are looked at
   Uses(const Machine& machine, double period, bool loads, bool others)
-      : period_(period), loads_(loads), others_(others) {
+      : machine_(machine), period_(period), loads_(loads), others_(others) {
     for (const Axis& axis : machine.axes) axes_.push_back({&axis, AxisSampler(axis, period, standing_speed(period))});
   }
   /// The next sample. @param most  of it and of what was looked at before
   void next(const double* v, MostUsed& most) {
+    double power = 0.0;  // W, of all axes
     for (Followed& followed : axes_) {
       const AxisState state = followed.sampler.next(*v, (*v - followed.velocity) / period_);
       for (std::size_t i = 0; i < axis_limits.size(); ++i) {
         if (!(axis_limits[i].load ? loads_ : others_)) continue;
-        const double use = axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound);
-        if (use > most.use) most = {static_cast<int>(i), use};
+        look(i, axis_limits[i].value(state) / (followed.axis->*axis_limits[i].bound), most);
       }
-      followed.velocity = *v++;
+      followed.velocity = *v++, power += state.motoring;
+    }
+    if (!loads_) return;
+    for (std::size_t i = 0; i < supply_limits.size(); ++i) {
+      const double drawn = supply_limits[i].kind == LimitKind::power_total ? power : -power;
+      look(axis_limits.size() + i, drawn / (machine_.*supply_limits[i].bound), most);
     }
   }
 
@@ -67,6 +73,11 @@ class Uses {
     AxisSampler sampler;
     double velocity = 0.0;  ///< m/s, of the last sample
   };
+  static void look(std::size_t limit, double use, MostUsed& most) {
+    if (use > most.use) most = {static_cast<int>(limit), use};
+  }
+
+  const Machine& machine_;
   double period_;
   bool loads_, others_;
   std::vector<Followed> axes_;
@@ -188,7 +199,22 @@ void visit_velocities(const Machine& machine, const ProgramMotion& motion, const
 
 std::string binding_name(int binding) {
   if (binding < 0) return "tolerance or programmed feed";
-  return std::string(to_string(axis_limits.at(static_cast<std::size_t>(binding)).kind));
+  const auto i = static_cast<std::size_t>(binding);
+  return std::string(
+      to_string(i < axis_limits.size() ? axis_limits[i].kind : supply_limits.at(i - axis_limits.size()).kind));
+}
+
+std::array<int, binding_limits> binding_styles(const Machine& machine) {
+  static_assert(figure_style::baseline_style == figure_style::colours.size() - 1);
+  std::array<int, binding_limits> styles{};
+  int taken = 0;
+  const auto take = [&taken](bool limited) { return limited ? ++taken % figure_style::baseline_style : 0; };
+  for (std::size_t i = 0; i < axis_limits.size(); ++i)
+    styles[i] = take(
+        std::ranges::any_of(machine.axes, [&](const Axis& axis) { return axis.*axis_limits[i].bound < unlimited; }));
+  for (std::size_t i = 0; i < supply_limits.size(); ++i)
+    styles[axis_limits.size() + i] = take(machine.*supply_limits[i].bound < unlimited);
+  return styles;
 }
 
 std::vector<CornerLoss> time_lost(const Toolpath& path, const ProgramMotion& motion) {

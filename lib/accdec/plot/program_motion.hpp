@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
@@ -28,9 +31,11 @@ ProgramMotion motion_of(const ProgramResult& result);
 double speed_of(const double* velocity, std::size_t axes);   ///< m/s, of all axes
 double block_feed(const Toolpath& path, std::size_t block);  ///< m/s, of all axes
 
-/// Takes sample k, its position (m), its velocity (m/s, of every axis) and the index in `axis_limits` of the limit that
-/// binds there. This is the limit used most, if it is used to 98 % or more; -1 if there is none. Loads are those of the
-/// motion behind a servo, all other limits are of the command.
+/// Number of limits that may bind in a program: those of `axis_limits`, then those of `supply_limits`.
+inline constexpr std::size_t binding_limits = axis_limits.size() + supply_limits.size();
+/// Takes sample k, its position (m), its velocity (m/s, of every axis) and the index of the limit that binds there,
+/// below `binding_limits`. This is the limit used most, if it is used to 98 % or more; -1 if there is none. Loads are
+/// those of the motion behind a servo, all other limits are of the command.
 using VelocityVisitor =
     std::function<void(std::int64_t k, const double* position, const double* velocity, int binding)>;
 /// Every sample of a motion. @param machine  as many axes as the path, or none
@@ -38,9 +43,12 @@ void visit_velocities(const Machine& machine, const ProgramMotion& motion, const
 /// Numbers of the samples that a picture of about `most` points needs: every n-th, and the ends of long stretches that
 /// are not visited.
 std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most);
-/// The name of the binding limit, with an index as in `VelocityVisitor`. If it is no limit of an axis, the tolerance of
-/// a corner or the programmed feed limits the motion.
+/// The name of the binding limit, with an index as in `VelocityVisitor`. If none binds, the tolerance of a corner or
+/// the programmed feed limits the motion.
 std::string binding_name(int binding);
+/// Styles (figure_style.hpp) of the limits that may bind, in the order of `VelocityVisitor`. Those that the machine has
+/// differ, up to seven. None is grey, which is for where no limit binds.
+std::array<int, binding_limits> binding_styles(const Machine& machine);
 
 /// Time lost at corners that turn by `turn_from` to `turn_to` degrees, or at stops.
 struct CornerLoss {

@@ -88,11 +88,12 @@ Panel speed_over_time_panel(const Toolpath& programmed, const Machine& machine, 
   panel.y.label = "speed / mm/s";
   panel.x.min = 0.0, panel.x.max = motion.cycle_time;
   panel.y.min = 0.0, panel.y.max = highest > 0.0 ? 1.06 * highest : 1.0;
+  const auto styles = binding_styles(machine);
   for (auto& [binding, trace] : traces) {
     trace.end_column();
     Series series{binding_name(binding), std::move(trace.x), std::move(trace.y), Mark::line, thin_solid};
     // Dashes would look like gaps between the limits.
-    if (binding >= 0) series.style = 1 + binding, series.solid = true;
+    if (binding >= 0) series.style = styles.at(static_cast<std::size_t>(binding)), series.solid = true;
     panel.series.push_back(std::move(series));
   }
   return panel;

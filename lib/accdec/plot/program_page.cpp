@@ -64,11 +64,11 @@ std::string arrays(const Toolpath& path, const Machine& machine, const ProgramMo
     binding = -1;
   });
   const double feed = 1e3 * fastest_feed_move(path, motion);
+  const auto styles = binding_styles(machine);
   std::string names, axes, colours;
-  for (std::size_t i = 0; i < axis_limits.size(); ++i) {
+  for (std::size_t i = 0; i < binding_limits; ++i) {
     names += fmt::format("\"{}\",", binding_name(static_cast<int>(i)));
-    // The colour of no limit is grey.
-    colours += fmt::format("\"{}\",", figure_style::colours.at((1 + i) % figure_style::baseline_style));
+    colours += fmt::format("\"{}\",", figure_style::colours.at(static_cast<std::size_t>(styles[i])));
   }
   for (std::size_t a = 0; a < places.size(); ++a) {
     axes += fmt::format("\"{}\",", path.axis_name(a));

@@ -19,13 +19,11 @@ const shown = { plan: 0, mark: -1, limits: false };
 const seconds = (s) => `${Number(s.toFixed(3))} s`;
 const charts = [];
 const shades = new Shades(program.palette);
-const other = program.colours.at(-1);
 
 /** The plan that stands beside another: the slowest one, and beside that the fastest. */
 const besides = (plan) => [program.plans.at(-1), program.plans[0]].find((p) => p !== plan);
 
-/** The last colour is that of no limit; the limit that would have it has the first. */
-const colourOf = (limit) => (limit < 0 ? other : program.colours[(1 + limit) % (program.colours.length - 1)]);
+const colourOf = (limit) => (limit < 0 ? program.other_colour : program.colours[limit]);
 
 /** The names of the limits that bind somewhere, each with its colour. */
 const limitsKey = (plan) =>

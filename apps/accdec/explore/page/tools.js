@@ -56,7 +56,7 @@ export function tools(shared, draw) {
     const asked = structuredClone(state.task);
     place.replaceChildren("solving the task again with more room for every limit ..");
     try {
-      place.replaceChildren(...explanationTable(await askJson("explain", asked, { seconds: 20 })));
+      place.replaceChildren(...explanationTable(await askJson("explain", asked, { seconds: 60 })));
       place.dataset.task = JSON.stringify(asked);
       place.classList.toggle("old", place.dataset.task !== document.body.dataset.task);
     } catch (error) {
