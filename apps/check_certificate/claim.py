@@ -78,7 +78,7 @@ def target_of(result, problem, bound, proved):
     if result["status"] == "infeasible":
         refuse_if(proved is not None, "the certificate proves a bound, not that nothing exists")
         return None
-    target, (_, _, cost) = number(result[bound]) / problem.period, recorded(result, problem)
+    target, (_, _, cost) = number(result[bound], bound) / problem.period, recorded(result, problem)
     refuse_if(target > cost * (1 + ROUNDING), "the lower bound is above the time of the result's design")
     if result["status"] == "optimal":
         refuse_if(target < cost * (1 - ROUNDING), "the status is optimal, but the lower bound is below that time")

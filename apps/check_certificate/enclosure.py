@@ -21,9 +21,9 @@ def refuse_if(condition, reason, kind=Refused):
         raise kind(reason)
 
 
-def number(x):
+def number(x, what="a number"):
     """A number of a JSON file, exactly as written."""
-    refuse_if(isinstance(x, (bool, str)) or not hasattr(x, "__le__"), f"{x!r} stands where a number should")
+    refuse_if(isinstance(x, bool) or not hasattr(x, "__round__"), f"{x!r} stands where {what} should")
     return Fraction(x)
 
 

@@ -279,6 +279,7 @@ class Forgeries(unittest.TestCase):
         self.refused(lambda r, c: c.update(tolerance=1e-9), "other limits")
         self.refused(lambda r, c: c.update(objective="corner"), "objective")
         self.refused(lambda r, c: r.update(lower_bound_s=2 * r["lower_bound_s"]), "above")
+        self.refused(lambda r, c: r.update(lower_bound_s=None), "None stands where lower_bound_s should")
         self.refused(lambda r, c: c["tree"].pop(), "cut off")
         self.refused(lambda r, c: c["tree"].append(0), "goes on")
         self.refused(lambda r, c: r["corners"][0].update(delay_samples=0), "time of the result")

@@ -23,10 +23,25 @@ Filter trimmed(const Filter& filter, const Task& task) {
     while (!damped && longer(2) && taps.front() == 0.0 && taps.back() == 0.0) taps.pop_back(), taps.erase(taps.begin());
   } else {
     while (!damped && longer(1) && taps.back() == 0.0) taps.pop_back();
-    while (longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
+    while (!by_one_width(task) && longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
   }
   return Filter(std::move(taps));
 }
+
+namespace {
+
+/// The filter and those without some of its zero taps at the beginning, down to the least order. With one in-position
+/// width such taps count: behind each of them, the width gives the same blends delays that are a sample longer.
+std::vector<Filter> with_fewer_zeros(Filter filter, const Task& task) {
+  std::vector<Filter> all{std::move(filter)};
+  while (by_one_width(task) && all.back().tap(0) == 0.0 && all.back().order() > std::max(task.design.order_min, 0)) {
+    const auto taps = all.back().taps();
+    all.push_back(Filter({taps.begin() + 1, taps.end()}));
+  }
+  return all;
+}
+
+}  // namespace
 
 void Designs::consider(Filter filter, const std::vector<int>& delays) {
   const double value = cost_of(task())(filter.order(), delays);
@@ -63,7 +78,8 @@ Filter Designs::mended(const Filter& filter, const Box& box, bool symmetric, con
 void Designs::offer(const Filter& filter, const Box& box, bool symmetric) {
   std::vector<int> delays;
   for (const CornerBox& b : box.corners) delays.push_back(b.d1);
-  consider(trimmed(mended(filter, box, symmetric, delays), task()), delays);
+  for (Filter& found : with_fewer_zeros(trimmed(mended(filter, box, symmetric, delays), task()), task()))
+    consider(std::move(found), delays);
 }
 
 void Designs::offer(Filter filter) {
@@ -73,13 +89,14 @@ void Designs::offer(Filter filter) {
       taps[i] = taps[taps.size() - 1 - i] = 0.5 * (taps[i] + taps[taps.size() - 1 - i]);
     filter = Filter(std::move(taps));
   }
-  filter = trimmed(filter, task());
-  if (filter.order() < task().design.order_min || filter.order() > task().design.order_max) return;
-  const double below = best ? best->value : std::numeric_limits<double>::infinity();
-  if (by_one_width(task())) {
-    if (const auto found = delays_of_kinds(filter, task(), below)) consider(std::move(filter), found->delays);
-  } else if (const auto delays = delays_by_formula(filter, task(), below)) {
-    consider(std::move(filter), *delays);
+  for (Filter& found : with_fewer_zeros(trimmed(filter, task()), task())) {
+    if (found.order() < task().design.order_min || found.order() > task().design.order_max) continue;
+    const double below = best ? best->value : std::numeric_limits<double>::infinity();
+    if (by_one_width(task())) {
+      if (const auto delays = delays_of_kinds(found, task(), below)) consider(std::move(found), delays->delays);
+    } else if (const auto delays = delays_by_formula(found, task(), below)) {
+      consider(std::move(found), *delays);
+    }
   }
 }
 

@@ -29,10 +29,9 @@ class InPosition {
   int latency() const { return latency_; }  ///< samples
   /// Samples of leg 1 from its command's end until nothing is left of it.
   int longest() const {
-    const auto taps = [](const Filter& filter) { return filter.last_nonzero_tap() - filter.first_nonzero_tap(); };
-    int most = taps(behind_.command());
+    int most = behind_.command().last_nonzero_tap();
     for (const Filter& motion : actual_ ? behind_.servo() : std::span<const Filter>())
-      most = std::max(most, taps(motion));
+      most = std::max(most, motion.last_nonzero_tap());
     return most;
   }
   /// The remaining way of leg 1 so many samples after its command's end, m: with a smaller width the next block waits
