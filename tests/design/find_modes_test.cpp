@@ -95,6 +95,41 @@ TEST(FindModes, NoneInWhiteNoise) {
   for (const FoundMode& mode : find_modes({log_period, {"x"}, {noise}})) EXPECT_LT(mode.share, 0.5) << mode.frequency;
 }
 
+// The weaker one has 0.4 of the other's velocity, and 4 % of the energy of the lags.
+TEST(FindModes, AWeakerOneBesideAStrong) {
+  expect_found({{42.0, 0.04, 1.0}, {90.0, 0.04, 0.4}}, Excitation::jolts, 20.0, 9);
+  expect_found({{42.0, 0.05, 1.0}, {90.0, 0.08, 0.3}}, Excitation::jolts, 20.0, 10);
+}
+
+TEST(FindModes, TellsApartWhatDiffersByATwelfth) {
+  for (const double damping : {0.02, 0.04})
+    expect_found({{45.0, damping, 1.0}, {1.08 * 45.0, damping, 0.7}}, Excitation::jolts, 20.0, 11);
+}
+
+// Whatever is found is there, and few of the 48 modes are too weak to be found.
+TEST(FindModes, InventsNoneInRandomLogs) {
+  std::mt19937 engine(12);
+  const auto uniform = [&](double low, double high) {
+    return low * std::pow(high / low, std::uniform_real_distribution<double>(0.0, 1.0)(engine));
+  };
+  int known = 0, seen = 0;
+  for (int log = 0; log < 24; ++log) {
+    std::vector<Known> modes;
+    for (double f = uniform(15.0, 25.0); static_cast<int>(modes.size()) <= log % 3; f *= uniform(1.35, 2.0))
+      modes.push_back({f, uniform(0.01, 0.1), uniform(0.3, 1.0)});
+    const std::vector<double> signal = logged(modes, Excitation::jolts, 20.0, 0.1, 100U + static_cast<unsigned>(log));
+    const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {signal}});
+    for (const FoundMode& f : found) {
+      const auto real = std::ranges::find_if(
+          modes, [&](const Known& m) { return std::abs(f.frequency / m.frequency - 1.0) <= 0.01; });
+      ASSERT_NE(real, modes.end()) << "log " << log << ": " << f.frequency << " Hz";
+      EXPECT_NEAR(f.damping, real->damping, 0.2 * real->damping) << "log " << log << ": " << f.frequency << " Hz";
+    }
+    known += static_cast<int>(modes.size()), seen += static_cast<int>(found.size());
+  }
+  EXPECT_GE(seen, known * 9 / 10);
+}
+
 // A machine whose frequency depends on its place: a log in two halves.
 TEST(FindModes, SaysByHowMuchTheFrequencyChanges) {
   std::vector<double> first = logged({{40.0, 0.04, 1.0}}, Excitation::jolts, 10.0, 0.05, 6);

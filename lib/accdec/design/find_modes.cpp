@@ -19,7 +19,9 @@ namespace {
 constexpr int parts = 4;                // of a log that are compared
 constexpr double damping_most = 0.4;    // more is no peak that a filter should avoid
 constexpr double least_left = 1e-2;     // of the energy of the lags: later ones are noise
-constexpr double share_least = 0.03;    // of the energy
+constexpr double share_least = 0.002;   // of the energy
+constexpr double share_large = 0.03;    // of the energy: model orders may disagree
+constexpr double agree = 0.1;           // of the damping: the middle half of the model orders
 constexpr double same = 0.03;           // relative difference of frequencies of one mode
 constexpr int orders = 20;              // pairs of poles at most
 constexpr std::size_t size_most = 240;  // of the Hankel matrix
@@ -106,6 +108,25 @@ Autocorrelation cut(Autocorrelation lags, double low) {
 struct Weighed {
   FoundMode mode;
   double energy = 0.0;
+  bool sure = false;  ///< model orders agree
+
+  /// Weak vibrations count if they are sure: noise gives every model order another damping.
+  bool counts() const { return mode.share >= (sure ? share_least : share_large); }
+};
+
+/// Poles of several model orders that may be one mode.
+struct Group {
+  std::vector<double> frequencies, dampings;
+  int last = 0;
+
+  bool near(double frequency) const { return std::abs(middle(frequencies) - frequency) < same * frequency; }
+  bool sure(int tried) const {
+    if (10 * static_cast<int>(dampings.size()) < 7 * tried) return false;
+    std::vector<double> sorted = dampings;
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t quarter = sorted.size() / 4;
+    return sorted[sorted.size() - 1 - quarter] - sorted[quarter] <= agree * middle(dampings);
+  }
 };
 
 /// Energy of the lags that each pole has, where all poles together fit them best.
@@ -134,10 +155,6 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
       cut(autocorrelation(power_spectrum(signal, period), options.frequency_min, options.frequency_max, longest),
           options.frequency_min);
   const Realisation realisation(lags);
-  struct Group {
-    std::vector<double> frequencies, dampings;
-    int last = 0;
-  };
   std::vector<Group> groups;
   int tried = 0;
   for (int pairs = 1; pairs <= orders; ++pairs) {
@@ -147,21 +164,25 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
       if (pole.damping > damping_most || pole.frequency < options.frequency_min ||
           pole.frequency > options.frequency_max)
         continue;
-      const auto near = std::find_if(groups.begin(), groups.end(), [&](const Group& g) {
-        return std::abs(middle(g.frequencies) - pole.frequency) < same * pole.frequency && g.last != pairs;
-      });
+      const auto near = std::find_if(groups.begin(), groups.end(),
+                                     [&](const Group& g) { return g.near(pole.frequency) && g.last != pairs; });
       Group& group = near == groups.end() ? groups.emplace_back() : *near;
       group.frequencies.push_back(pole.frequency), group.dampings.push_back(pole.damping), group.last = pairs;
     }
   }
   std::vector<Weighed> found;
   std::vector<Pole> stable;
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.dampings.size() > b.dampings.size(); });
   for (const Group& group : groups) {
-    if (2 * static_cast<int>(group.frequencies.size()) < tried) continue;
+    // Some orders show a mode by two poles. Two of the same mode would both get all of its energy.
+    const auto shown = [&](const Pole& pole) { return group.near(pole.frequency); };
+    if (2 * static_cast<int>(group.dampings.size()) < tried || std::ranges::any_of(stable, shown)) continue;
     const double f = middle(group.frequencies), z = middle(group.dampings), w = 2.0 * std::numbers::pi * f;
     const std::complex<double> rate(-z * w, w * std::sqrt(1.0 - z * z));
     stable.push_back({f, z, std::exp(rate * lags.period)});
-    found.push_back({{.axis = {}, .frequency = f, .damping = z, .damping_low = z, .damping_high = z}, 0.0});
+    found.push_back(
+        {{.axis = {}, .frequency = f, .damping = z, .damping_low = z, .damping_high = z}, 0.0, group.sure(tried)});
   }
   if (found.empty()) return found;
   const std::vector<double> energy = energies(lags, stable);
@@ -169,7 +190,7 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
   for (const double value : lags.values) all += value * value;
   for (std::size_t i = 0; i < found.size(); ++i)
     found[i].energy = energy[i], found[i].mode.share = std::min(1.0, energy[i] / all);
-  std::erase_if(found, [](const Weighed& w) { return !(w.mode.share >= share_least); });
+  std::erase_if(found, [](const Weighed& w) { return !w.counts(); });
   std::sort(found.begin(), found.end(), [](const Weighed& a, const Weighed& b) { return a.energy > b.energy; });
   found.resize(std::min(found.size(), options.most));
   return found;

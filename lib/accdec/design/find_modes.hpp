@@ -29,7 +29,7 @@ struct FindModesOptions {
 /// Finds the modes of every axis, the strongest first. Vibrations die away, or noise or a sweep keeps them up. In
 /// either case the autocorrelation is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10, 1995).
 /// Their frequencies and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A frequency
-/// counts if most model orders find it.
+/// counts if most model orders find it. A weak vibration counts if they also agree on its damping.
 /// @throws std::invalid_argument if the log is too short for the band, or the band is empty
 std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options = {});
 

@@ -201,7 +201,9 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   if (modes.empty())
     text += "# no vibration stands out\n";
   else
-    text += "# holds for noise, sweeps, and jolts at regular times or so far apart that each dies away\n";
+    text +=
+        "# holds for noise, sweeps, and jolts at regular times or so far apart that each dies away\n"
+        "# modes within 3 % of each other count as one; modes with less than 0.2 % of the vibration are not shown\n";
   for (const ModeCost& cost : costs) {
     if (cost.more)
       text += fmt::format("# residual_max = {:g} costs {:.4g} ms{}\n", cost.residual, 1e3 * *cost.more,
