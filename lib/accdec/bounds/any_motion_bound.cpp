@@ -9,8 +9,8 @@
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/kernel_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
-#include <accdec/bounds/plane_bound.hpp>
 #include <accdec/bounds/tube_window.hpp>
+#include <accdec/bounds/weight_bound.hpp>
 #include <accdec/bounds/window_bound.hpp>
 #include <accdec/files.hpp>
 #include <accdec/simulate/tube_check.hpp>
@@ -19,8 +19,8 @@ namespace accdec {
 namespace {
 
 constexpr std::size_t programs_max = 600;  // linear programs
-constexpr std::size_t plane_programs_max = 40'000;
 constexpr double kernel_work_max = 2.5e8;  // s, about 3e-9 times this
+constexpr double weight_work_max = 1e10;   // s, about 5e-10 times this
 constexpr double cell_ratio = 1.05;        // of one length of windows to the next
 constexpr int widenings_max = 24;
 
@@ -48,7 +48,7 @@ bool same(const TubeLeg& a, const TubeLeg& b) {
 struct WorkLeft {
   double time_limit = 0.0;  // s
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  std::size_t programs = 0, plane_programs_left = 0;
+  std::size_t programs = 0;
   double kernel_work_left = 0.0;
   bool complete = true;
   /// Whether work that is wanted may be done, where its number allows it.
@@ -61,17 +61,13 @@ struct WorkLeft {
 
 class MotionBound {
  public:
-  MotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool planes)
+  MotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool thorough)
       : path_(path),
         machine_(machine),
-        work_{.time_limit = time_limit,
-              .plane_programs_left = planes ? plane_programs_max : 0,
-              .kernel_work_left = planes ? kernel_work_max : 0.1 * kernel_work_max},
+        work_{.time_limit = time_limit, .kernel_work_left = thorough ? kernel_work_max : 0.1 * kernel_work_max},
         slack_(spline_slack(machine, sample_period)),
         swing_times_(machine, path.dimensions()),
-        tries_planes_(planes),
-        planes_(machine, path.dimensions(),
-                [this] { return work_.more(work_.plane_programs_left > 0 && work_.plane_programs_left-- > 0); }) {
+        weight_work_(thorough ? weight_work_max : 0.1 * weight_work_max) {
     slack_.wider += path.narrowed;
     make_tube();
   }
@@ -183,10 +179,9 @@ class MotionBound {
     best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, &swing_times_));
     const auto time_left = [this] { return work_.more(true); };
     best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.kernel_work_left, time_left));
-    if (!tries_planes_ || !work_.more(work_.plane_programs_left > 0)) return rounding * best;
-    std::vector<PlaneLeg> legs;
+    std::vector<WeightLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
-    return rounding * std::max(best, planes_.time(legs, best));
+    return rounding * std::max(best, weight_bound(legs, machine_, path_.dimensions(), best, weight_work_, time_left));
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.
@@ -269,17 +264,16 @@ class MotionBound {
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
-  const bool tries_planes_;
-  PlaneBound planes_;
+  const double weight_work_;
 };
 
 }  // namespace
 
 AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period,
-                                double time_limit, bool planes) {
+                                double time_limit, bool thorough) {
   const Machine machine = program_machine(task_machine, path);
   const double points = program_lower_bound(path, machine, sample_period);
-  MotionBound motions(path, machine, sample_period, time_limit, planes);
+  MotionBound motions(path, machine, sample_period, time_limit, thorough);
   const double time = std::max(points, motions.bound());
   return {time, motions.complete()};
 }

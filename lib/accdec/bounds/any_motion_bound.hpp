@@ -32,15 +32,15 @@ struct AnyMotionBound {
 /// each by itself. Windows of that length do not overlap; they are widened until that brings nothing more. The result
 /// is never below program_lower_bound, which lets a motion be anywhere between the joints.
 ///
-/// If corners are close, a motion never reaches the feed, and the pace counts too little. There the sum of least
-/// times from plane to plane is larger (PlaneBound). On fine chords the time that axes need to go back and forth is,
-/// see window_bound. If acceleration and jerk limit the motion all the time, kernel_bound is largest.
+/// If corners are close, a motion never reaches the feed, and the pace counts too little. There weight_bound is larger,
+/// which sees all corners together. On fine chords the time that axes need to go back and forth may be, see
+/// window_bound, or kernel_bound if acceleration and jerk limit the motion all the time.
 ///
 /// Samples at T stand for a continuous motion, as in corner_bound. So one period (two with a jerk limit) is taken off
 /// for every section between stops, and tolerances are widened.
 /// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs
-/// @param planes  whether planes are tried where corners are close: some thousand linear programs, seconds
+/// @param thorough  whether weight_bound and kernel_bound may take seconds, else a tenth of that
 AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit,
-                                bool planes = true);
+                                bool thorough = true);
 
 }  // namespace accdec

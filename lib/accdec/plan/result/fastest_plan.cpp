@@ -30,12 +30,13 @@ ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Tas
   return result;
 }
 
-CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool planes) {
+CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool thorough) {
   const Machine machine = program_machine(task.machine, path);
   const double left = deadline.left(), limit = left < unlimited ? std::max(0.0, 0.15 * left) : 10.0;
   CornerBound bound = program_corner_bound(path, machine, task.sample_period, limit);
-  const double for_planes = std::max(limit, std::min(3.0 * limit, 30.0));
-  const AnyMotionBound any = any_motion_bound(path, machine, task.sample_period, planes ? for_planes : limit, planes);
+  const double for_motions = std::max(limit, std::min(3.0 * limit, 30.0));
+  const AnyMotionBound any =
+      any_motion_bound(path, machine, task.sample_period, thorough ? for_motions : limit, thorough);
   bound.any_motion = any.time, bound.any_motion_complete = any.complete;
   bound.time = std::max(bound.time, bound.any_motion);
   return bound;

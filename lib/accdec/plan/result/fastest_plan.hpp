@@ -29,8 +29,9 @@ ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Tas
 /// Bounds of corners, for sums of monotone legs and for any motion, whichever plan. Made for programs of up to
 /// `several_plans_max` blocks: longer ones take longer to bound than to plan.
 /// @param deadline  each bound has 15 % of what is left, 10 s if there is no limit; those cut short say so
-/// @param planes  see any_motion_bound
-CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline = {}, bool planes = false);
+/// @param thorough  see any_motion_bound
+CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline = {},
+                            bool thorough = false);
 
 /// Bounds of the path that an answer runs along. Longer chords cut more off an arc: bounds of a finer reading do not
 /// hold for a plan that read its arcs again.

@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <cmath>
+
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/weight_bound.hpp>
+#include <accdec/bounds/weight_search.hpp>
+
+namespace accdec {
+namespace {
+
+/// From the segment from 0 to `way`.
+double distance(const AxisVector& point, const AxisVector& way) {
+  const double length2 = dot(way, way);
+  const double along = length2 > 0.0 ? std::clamp(dot(point, way) / length2, 0.0, 1.0) : 0.0;
+  return norm(combined(1.0, point, -along, way));
+}
+
+using SectionLeg = WeightedSection::Leg;
+
+/// Legs first .. end as one, with a tube that is wider by what they are off it.
+SectionLeg joined(const std::vector<SectionLeg>& legs, std::size_t first, std::size_t end) {
+  SectionLeg whole = legs[first];
+  std::vector<AxisVector> inside;
+  for (std::size_t i = first + 1; i < end; ++i) {
+    inside.push_back(whole.way);
+    whole.way = combined(1.0, whole.way, 1.0, legs[i].way);
+    whole.radius = std::max(whole.radius, legs[i].radius);
+    whole.feed = std::max(whole.feed, legs[i].feed);
+  }
+  whole.tolerance = legs[end - 1].tolerance;
+  double off = 0.0;
+  for (const AxisVector& point : inside) off = std::max(off, distance(point, whole.way));
+  whole.radius += off;
+  return whole;
+}
+
+/// Leaves joints out until every leg is so many times as long as the tolerances at its ends; none if that fails.
+std::vector<SectionLeg> long_legs(const std::vector<SectionLeg>& legs) {
+  constexpr double times = 4.0;
+  const auto is_long = [&](std::size_t first, std::size_t end) {
+    const SectionLeg whole = joined(legs, first, end);
+    return norm(whole.way) >= times * ((first > 0 ? legs[first - 1].tolerance : 0.0) + whole.tolerance);
+  };
+  std::vector<std::size_t> begins{0};
+  for (std::size_t end = 1; end < legs.size(); ++end) {
+    if (is_long(begins.back(), end)) begins.push_back(end);
+  }
+  // If the last leg is short, it is joined to those before it.
+  while (!begins.empty() && !is_long(begins.back(), legs.size())) begins.pop_back();
+  std::vector<SectionLeg> all;
+  for (std::size_t i = 0; i < begins.size(); ++i)
+    all.push_back(joined(legs, begins[i], i + 1 < begins.size() ? begins[i + 1] : legs.size()));
+  return all;
+}
+
+/// Times that are about what is known of all: at full speed, and a part of what they take from rest and to rest.
+void guess_times(WeightedSection& section, double known) {
+  double at_speed = 0.0, from_rest = 0.0;
+  std::vector<double> slower;
+  for (SectionLeg& leg : section.legs) {
+    const double length = norm(leg.way);
+    double speed = leg.feed, acceleration = unlimited, jerk = unlimited;
+    for (std::size_t a = 0; a < section.axes.size(); ++a) {
+      const double part = std::abs(leg.way[a]) / length;
+      if (part == 0.0) continue;
+      speed = std::min(speed, section.axes[a].velocity / part);
+      acceleration = std::min(acceleration, section.axes[a].acceleration / part);
+      jerk = std::min(jerk, section.axes[a].jerk / part);
+    }
+    leg.guess = length / speed;
+    at_speed += leg.guess;
+    slower.push_back(std::max(2.0 * std::sqrt(length / acceleration), std::cbrt(32.0 * length / jerk)));
+    from_rest += slower.back();
+    leg.reach = 1.2 * (speed / acceleration + acceleration / jerk);
+  }
+  const double part = std::clamp((1.05 * known - at_speed) / from_rest, 0.02, 1.0);
+  for (std::size_t i = 0; i < slower.size(); ++i) section.legs[i].guess += part * slower[i];
+}
+
+}  // namespace
+
+double weight_bound(const std::vector<WeightLeg>& legs, const Machine& machine, std::size_t dimensions, double known,
+                    double work, const std::function<bool()>& more) {
+  WeightedSection section;
+  std::vector<std::size_t> moved;
+  for (std::size_t a = 0; a < dimensions; ++a) {
+    const auto moves = [a](const WeightLeg& leg) { return leg.tube.direction[a] != 0.0; };
+    if (std::none_of(legs.begin(), legs.end(), moves)) continue;
+    const Axis& axis = machine.axes[a];
+    moved.push_back(a);
+    section.axes.push_back({axis.velocity_max, acceleration_most(axis), axis.jerk_max});
+    if (!(section.axes.back().acceleration < unlimited && axis.velocity_max < unlimited)) return 0.0;
+  }
+  for (const WeightLeg& leg : legs) {
+    if (!(leg.tube.radius < unlimited && leg.tolerance < unlimited)) return 0.0;
+    SectionLeg& way = section.legs.emplace_back();
+    const double length = leg.way / dot(leg.tube.pace, leg.tube.direction);
+    for (std::size_t i = 0; i < moved.size(); ++i) way.way[i] = length * leg.tube.direction[moved[i]];
+    way.radius = leg.tube.radius;
+    way.tolerance = leg.tolerance;
+    way.feed = leg.tube.feed;
+  }
+  section.legs = long_legs(section.legs);
+  if (section.legs.empty()) return 0.0;
+  guess_times(section, known);
+  return largest_weighted_time(section, work, more);
+}
+
+}  // namespace accdec
