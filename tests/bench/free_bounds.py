@@ -50,8 +50,8 @@ its bound. A better plan or a better bound may show that much. Times in s.
 The last three programs are made by `accdec generate` at F6000 and P0.05. The computer had other work. So programs of
 many blocks may end above what `free` finds in that time on idle cores.
 
-Corners, zig-zags, long legs and the spiral are within 4 %% of their bound, other fine chords within 15.3 %%. There
-the bound counts the acceleration and jerk that the axes need to go back and forth. The gap is mostly the bound's.
+Without a jerk limit all programs but raster are within 1 %% of their bound. With one, corners, zig-zags, long legs and
+the spiral are within 2.5 %%, the other fine chords within 14.3 %%. There plan and bound may both be to blame.
 
 | program | jerk, mm/s^3 | profiles or fixed | free | bound | above, %% |
 |---|--:|--:|--:|--:|--:|

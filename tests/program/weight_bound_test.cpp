@@ -52,11 +52,10 @@ TEST(WeightBound, OfOneAxisIsTheClosedForm) {
       EXPECT_GE(found, 0.98 * closed) << closed;
     }
   };
-  // L/F + F/a; 2 sqrt(L/a) for every way; with a jerk limit alone cbrt(32 L/j).
+  // L/F + F/a; 2 sqrt(L/a) for every way.
   beside(1, 0.05, 0.1, 1.0, unlimited, 0.6);
   beside(1, 0.001, 10.0, 1.0, unlimited, 2.0 * std::sqrt(1e-3));
   beside(9, 0.001, 10.0, 1.0, unlimited, 2.0 * std::sqrt(1e-3));
-  beside(1, 0.001, 10.0, 100.0, 50.0, std::cbrt(32.0 * 1e-3 / 50.0));
 }
 
 /// A motion within A and J, every axis by itself, from rest to rest; its joints are near places that it passes.

@@ -13,7 +13,6 @@ namespace {
 constexpr int steps_max = 60;
 constexpr std::size_t side_pieces_max = 10;  // of a leg, on either side
 constexpr double least_step = 0.5;
-constexpr double growth = 1.3;                                // pieces are shorter near joints
 constexpr double roughest = 0.1, finest = 2e-4, finer = 0.6;  // smoothing, against the time of a piece
 
 /// A part of a linear function: a weight's factor, and how the factor changes with the time of a leg.
@@ -39,12 +38,14 @@ struct Norm {
 };
 
 std::vector<std::vector<double>> shares_of(const WeightedSection& section, double coarse) {
+  // Pieces are shorter near joints. With a jerk limit the acceleration bends there.
+  const double growth = section.jerk() ? 1.6 : 1.3, finest_piece = section.jerk() ? 0.07 : 0.1;
   double mean = 0.0;
   for (const auto& leg : section.legs) mean += leg.guess / static_cast<double>(section.legs.size());
   std::vector<std::vector<double>> shares;
   for (const auto& leg : section.legs) {
     const double half = 0.5 * leg.guess, reach = std::min(half, leg.reach);
-    const double piece = 0.1 * coarse * std::min(leg.reach, 2.0 * mean);
+    const double piece = finest_piece * coarse * std::min(leg.reach, 2.0 * mean);
     const auto most = static_cast<double>(side_pieces_max);
     const auto side = static_cast<std::size_t>(std::clamp(std::ceil(reach / piece), 1.0, most));
     std::vector<double> some;
