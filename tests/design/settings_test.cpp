@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -354,6 +355,29 @@ TEST(Settings, AreNotForged) {
     r = design_task(slower);
     r.task = asked;
   }));
+}
+
+/// The legs are apart after N samples. 3 taps of 1/3 use all of an acceleration v/(3 T). An axis that reverses by half
+/// has 3/2 of it in the sample that the last tap of one leg shares with the first of the other. Taps 1, 2, 3, 2, 1 of 9
+/// use all of a jerk v/(9 T^2), also in the sample after the last tap. An axis that goes on at half the speed adds the
+/// other leg's first step there, of the same sign. So a sample more does not help, but two do.
+TEST(Settings, AnExactStopWaitsTwoSamplesMoreWhereTheJerkAsksForThem) {
+  const auto stop = [](const std::string& limit, int stages, double angle) {
+    const DesignResult result = design_task(
+        parse_task(fmt::format("sample_period_ms = 1\n[design]\nfamily = \"averages\"\nstages = {}\n"
+                               "length_set_ms = [3]\n[controller]\ndelays = \"exact-stop\"\n[[axis]]\nname = \"x\"\n"
+                               "{}\n[[axis]]\nname = \"y\"\n{}\n[[corner]]\nangle_deg = {}\n"
+                               "feed_in_mm_min = 5400\nerror_max_um = 1\n",
+                               stages, limit, limit, angle),
+                   "task"));
+    EXPECT_THAT(verify_result(result).reasons, IsEmpty()) << result.message;
+    return result.has_design() ? result.corners[0].delay - result.filter->order() : -1;
+  };
+  const std::string acceleration = "acceleration_max_mm_s2 = 30000", jerk = "jerk_max_mm_s3 = 10000000";
+  EXPECT_EQ(stop(acceleration, 1, 90), 0);
+  EXPECT_EQ(stop(acceleration, 1, 60), 1);
+  EXPECT_EQ(stop(jerk, 2, 90), 0);
+  EXPECT_EQ(stop(jerk, 2, 120), 2);
 }
 
 }  // namespace
