@@ -43,16 +43,16 @@ class Limits:
             self.tap_max = min(self.tap_max, (limits["acceleration"] * period / speed).hi)
         if "jerk" in limits:
             self.ramp_max = min(self.ramp_max, (limits["jerk"] * period**2 / speed).hi)
-        if not self.longer and axis.mass > 0:
+        if axis.mass > 0:
             self.before += least_before(axis, period, speed, stop)
-            if "force" in limits and not (stop and axis.damping):
+            if not self.longer and "force" in limits and not (stop and axis.damping):
                 most = (limits["force"] + (axis.coulomb if stop else -axis.coulomb)) * period / axis.mass
                 self.tap_max = min(self.tap_max, (most / speed).hi)
 
     def tube(self, box):
-        """Bounds on responses in a part; None if no filter is in it."""
+        """Bounds on the motion's responses in a part; None if no filter is in it."""
         if box.tube is False:
-            box.tube = tube(self.before, self.tap_max, self.ramp_max, box.order, box.cuts)
+            box.tube = tube(self.before, self.tap_max, self.ramp_max, box.order + self.longer, box.cuts)
         return box.tube
 
     def known(self, entry):
@@ -118,10 +118,10 @@ class Row:
         refuse_if(beyond, "a multiplier names a limit beyond its window")
 
     def responses(self, k):
-        """Bounds on B_k. @raise Empty"""
+        """Bounds on B_k of the motion. @raise Empty"""
         if self.limits.tube(self.box) is None:
             raise Empty
-        return Enclosure(*(end[min(max(k, 0), self.box.order + 1)] for end in self.box.tube))
+        return Enclosure(*(end[min(max(k, 0), len(end) - 1)] for end in self.box.tube))
 
     def tap_difference(self, k, sign):
         self.inside(k, k - 1)

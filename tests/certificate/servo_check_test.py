@@ -1,4 +1,4 @@
-"""Both checkers on proofs of forces behind a servo. Needs a built program (ACCDEC_BINARY)."""
+"""Both checkers on proofs of loads behind a servo. Needs a built program (ACCDEC_BINARY)."""
 import copy
 import sys
 import unittest
@@ -38,6 +38,12 @@ CASES = {
     "mode": {"more": "[[mode]]\nfrequency_Hz = 40\nresidual_max = 0.1"},
     "contour": {"corner": ERROR + "\ncontour_max_um = 60"},
     "symmetric": {"design": "order_max = 60\nsymmetric = true"},
+    "power": {"axis": FORCE + "\npower_max_W = 10"},
+    "power behind a smoothing": {"control": SMOOTHING, "axis": FORCE + "\npower_max_W = 10"},
+    "regeneration": {"axis": FORCE + "\nregeneration_max_W = 5"},
+    "power and acceleration": {"axis": FORCE + "\npower_max_W = 8\nacceleration_max_mm_s2 = 6000\n"
+                                               "jerk_max_mm_s3 = 900000", "servo": "servo_gain_1_s = 600"},
+    "smallest speed": {"corner": "error_max_um = 200\nspeed_min_mm_s = 45"},
     "given delay": {"corner": "delay_samples = 9"},
     "three corners": {"more": "[[corner]]\nangle_deg = 60\nfeed_in_mm_min = 5000\nerror_max_um = 80\n"
                               "[[corner]]\nangle_deg = 130\nfeed_in_mm_min = 6000\nerror_max_um = 30\nweight = 3"},
@@ -45,9 +51,12 @@ CASES = {
 }
 
 
-def names_force(result):
+LOADS = ("force", "power", "regeneration", "speed")
+
+
+def names_load(result):
     sets = [*result["certificate"]["multipliers"], *(s for s in result["certificate"].get("lemmas", []))]
-    return any("force" in str(row[0]) for rows in sets for row in rows if isinstance(row, list))
+    return any(load in str(row[0]) for load in LOADS for rows in sets for row in rows if isinstance(row, list))
 
 
 class BehindAServo(BothCheckers):
@@ -58,12 +67,12 @@ class BehindAServo(BothCheckers):
                          "corner": ERROR, "more": "", **parts}
                 result = designed(TASK.format(**parts))
                 self.assertEqual(result["status"], "infeasible" if name == "infeasible" else "optimal")
-                self.assertTrue(names_force(result))
+                self.assertTrue(names_load(result))
                 self.both(result, True)
                 self.refuse_forgeries(result)
 
     def refuse_forgeries(self, result):
-        """A bound that is a sample longer; a drive of ten times the force; a servo that spreads every force."""
+        """A bound that is a sample longer; a drive of ten times the force and power; a servo that spreads every force."""
         proof = result["certificate"]
         if proof["bound_samples"] is not None:
             longer = {"bound_samples": proof["bound_samples"] + 1}
@@ -74,6 +83,8 @@ class BehindAServo(BothCheckers):
                 axis["force_max_N"] *= 10
             else:
                 axis["mass_kg"] *= 0.1
+            for key in {"power_max_W", "regeneration_max_W"} & axis.keys():
+                axis[key] *= 10
         for axis in slower["task"]["axis"]:
             for key in ("servo_gain_1_s", "velocity_feedforward", "response_taps"):
                 axis.pop(key, None)

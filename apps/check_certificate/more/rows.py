@@ -18,14 +18,14 @@ def limits_behind_smoothing(narrow, self, problem):
     narrow(self, problem)
     self.command_max = self.tap_max
     if len(problem.smoothing.lo) > 1:
-        self.tap_max, self.before = min(ONE, -(-self.command_max * ONE // max(problem.smoothing.lo))), []
+        self.tap_max = min(ONE, -(-self.command_max * ONE // max(problem.smoothing.lo)))
 
 
 @widens(Limits, "tube")
 def tube_behind_smoothing(narrow, self, box):
-    """Differences of the designed taps are not bounded."""
+    """Taps of the motion are averages of the command's."""
     if len(self.problem.smoothing.lo) > 1 and box.tube is False:
-        box.tube = tube([], self.tap_max, ONE, box.order, box.cuts)
+        box.tube = tube(self.before, self.command_max, self.ramp_max, box.order + self.longer, box.cuts)
     return narrow(self, box)
 
 
@@ -110,6 +110,16 @@ def force(row, event, *at, axis=None):
     row.load("force", event, *at, axis=axis)
 
 
+def response(row, k, sign):
+    add_behind(row, exact(sign), row.problem.response.sums(), k)
+    row.limit(row.responses(k) * sign)
+
+
+def power(row, *at):
+    row.behind = row.problem.response
+    row.power(*at)
+
+
 def force_speed(row, event, *at):
     """|F| + slope |V| <= bound: a force with more or less damping."""
     *at, line, direction = at if event == "blend" else (*at, 1)
@@ -125,8 +135,9 @@ def speed(row, j, k, low, high):
     corner, (d1, d2, _, _) = row.problem.corners[j], row.box.corners[j]
     refuse_if(corner.speed_min == 0, "a row `speed` names a corner without a smallest speed")
     refuse_if(not low < high or exact(high - low).hi >= PI.lo, "a sector is half a turn or more, or none")
-    if not 1 <= k <= row.box.order + d1:
+    if not 1 <= k <= row.box.order + row.limits.longer + d1:
         return
+    row.behind = row.problem.response
     into = (1 - row.responses(k)) * corner.feed_in
     out = Enclosure(row.responses(k - d2).lo, row.responses(k - d1).hi) * corner.feed_out
 
@@ -249,8 +260,12 @@ KINDS |= {
     "force start": (force, "ak", "start"), "force stop": (force, "ak", "stop"), "blend force": (force, "jaks", "blend"),
     "blend force_speed": (force_speed, "jaksks", "blend"),
     "force_speed start": (force_speed, "akk", "start"), "force_speed stop": (force_speed, "akk", "stop"),
+    "response": (response, "ks"), "power start": (power, "akxx", "power", "start"),
+    "regeneration stop": (power, "akxx", "regeneration", "stop"),
+    **{f"blend {kind}": (power, "jaksxx", kind, "blend") for kind in ("power", "regeneration")},
     "vibration": (vibration, "mxx"), "damped vibration": (vibration, "mxxx"), "blend vibration": (vibration, "mjxxx"),
 }
 BEHIND_A_SERVO |= {"acceleration", "contour", "budget", "blend vibration", "width", "force start", "force stop",
-                   "blend force", "force_speed start", "force_speed stop", "blend force_speed", "reversal"}
+                   "blend force", "force_speed start", "force_speed stop", "blend force_speed", "reversal", "response",
+                   "power start", "regeneration stop", "blend power", "blend regeneration", "speed"}
 IN_WINDOWS |= {"acceleration", "force_speed start", "force_speed stop", "blend force_speed"}

@@ -38,19 +38,18 @@ int CheckedRows::single_delay(int j, const CheckedBox& box) const {
 
 void CheckedRows::add_row(const proof::Response& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   const int k = row.sample;
-  if (k < 1 || k > sum.order()) return;  // no terms left
+  if (k < 1 || k > sum.order() + longer()) return;  // no terms left
   if (!need_tube(box)) return;
   const CheckedTube& tube = *box.tube;
   const auto i = static_cast<std::size_t>(k);
   const bool upper = row.sign > 0;
-  sum.response(k, upper ? weight : -1.0 * weight);
+  sum.response_behind(response_.motion(), k, upper ? weight : -1.0 * weight);
   sum.rhs = upper ? sum.rhs + weight * Interval(tube.high[i]) : sum.rhs - weight * Interval(tube.low[i]);
 }
 
 void CheckedRows::add_row(const proof::EventPower& row, const Interval& weight, CheckedBox& box,
                           CheckedSum& sum) const {
-  response_.require_ideal();
-  if (row.sample < 1 || row.sample > sum.order() + 1) return;
+  if (row.sample < 1 || row.sample > sum.order() + longer() + 1) return;
   const Axis& x = axis(row.axis);
   const auto u = static_cast<std::size_t>(row.axis);
   const double speed = bounds_.event_speed(u, row.stop);
@@ -61,10 +60,9 @@ void CheckedRows::add_row(const proof::EventPower& row, const Interval& weight, 
 
 void CheckedRows::add_row(const proof::BlendPower& row, const Interval& weight, CheckedBox& box,
                           CheckedSum& sum) const {
-  response_.require_ideal();
   const int d = single_delay(row.corner, box);
   const Axis& x = axis(row.axis);
-  if (row.sample < 1 || row.sample > sum.order() + d + 1) return;
+  if (row.sample < 1 || row.sample > sum.order() + longer() + d + 1) return;
   const auto u = static_cast<std::size_t>(row.axis);
   const CheckedSpeeds legs{checked_speed(corner(row.corner), u, true), checked_speed(corner(row.corner), u, false)};
   if (need_tube(box))
@@ -96,8 +94,8 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const CheckedSp
   const Interval inertia = Interval(axis.mass) / period(), length(low), turned(regeneration ? -1.0 : 1.0);
   const auto add = [&](int at, const Interval& c) {
     sum.rhs = sum.rhs - c * in;
-    sum.response(at, -1.0 * c * in);
-    sum.response(at - delay, c * out);
+    sum.response_behind(response_.motion(), at, -1.0 * c * in);
+    sum.response_behind(response_.motion(), at - delay, c * out);
   };
   add(k, weight * (turned * (inertia + Interval(axis.damping)) * length / Interval(bound) + 1.0 / Interval(high)));
   add(k - 1, -1.0 * weight * turned * inertia * length / Interval(bound));
@@ -108,12 +106,11 @@ void CheckedRows::add_power(const Axis& axis, bool regeneration, const CheckedSp
 /// middle. With several delays, the smallest has the largest share of leg 2. This is the largest n V' if leg 2 points
 /// along n.
 void CheckedRows::add_row(const proof::Speed& row, const Interval& weight, CheckedBox& whole, CheckedSum& sum) const {
-  response_.require_ideal();
   const int k = row.sample;
   const double low = row.low, high = row.high;
   const TaskCorner& c = corner(row.corner);
   const CheckedRange& box = whole.corners[static_cast<std::size_t>(row.corner)];
-  if (k < 1 || k > sum.order() + box.d1) return;
+  if (k < 1 || k > sum.order() + longer() + box.d1) return;
   if (!need_tube(whole)) return;
   const CheckedTube& tube = *whole.tube;
   require_finite(low, high);
@@ -146,8 +143,8 @@ void CheckedRows::add_row(const proof::Speed& row, const Interval& weight, Check
   if (box.d1 != box.d2 && along_out.lo < 0.0)
     throw Rejected("a sector is used for several delays, but does not hold for all");
   // cos(half) - n V'/v_min <= 0
-  sum.response(k, weight * along_in);
-  sum.response(k - box.d1, -1.0 * weight * along_out);
+  sum.response_behind(response_.motion(), k, weight * along_in);
+  sum.response_behind(response_.motion(), k - box.d1, -1.0 * weight * along_out);
   sum.rhs = sum.rhs + weight * (along_in - Interval(interval_cos(half).lo) + 2.0 * Interval(outside) / c.speed_min);
 }
 

@@ -27,8 +27,8 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ContourSplit& n, co
   return both;
 }
 
-std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& n, const CheckedBox& box, int order) {
-  if (n.sample < 1 || n.sample > order) throw Rejected("the tree splits a response that is not there");
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ResponseSplit& n, const CheckedBox& box, int last) {
+  if (n.sample < 1 || n.sample > last) throw Rejected("the tree splits a response that is not there");
   if (!(n.level >= 0.0 && n.level <= 1.0)) throw Rejected("the tree splits a response outside 0 .. 1");
   std::pair<CheckedBox, CheckedBox> both{box, box};
   both.first.cuts.push_back({n.sample, true, n.level});

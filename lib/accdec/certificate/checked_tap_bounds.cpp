@@ -52,7 +52,7 @@ CheckedAngle checked_angle(const Corner& corner) {
   return {cosine, sine};
 }
 
-CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& response) : smooths_(response.smooths()) {
+CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& response) : longer_(response.longer()) {
   const Interval t(task.sample_period);
   for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
     const Axis& axis = task.machine.axes[a];
@@ -63,8 +63,7 @@ CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& resp
       start = std::max({start, in, in == 0.0 ? out : 0.0});
       stop = std::max({stop, out, out == 0.0 ? in : 0.0});
     }
-    // Behind a response, loads are not those of the taps themselves.
-    if (response.ideal()) add_plants(axis, start, stop, t);
+    add_plants(axis, start, stop, t);
     start_.push_back(start);
     stop_.push_back(stop);
     if (std::max(start, stop) > 0.0) add_limits(axis, start, stop, t, response.ideal());
@@ -73,7 +72,7 @@ CheckedTapBounds::CheckedTapBounds(const Task& task, const CheckedResponse& resp
   // The command has every designed tap times the largest of the smoothing.
   double largest = 0.0;
   for (const Interval& tap : response.command()) largest = std::max(largest, tap.lo);
-  if (smooths_) tap_max_ = std::min(1.0, (Interval(command_max_) / Interval(largest)).hi);
+  if (response.smooths()) tap_max_ = std::min(1.0, (Interval(command_max_) / Interval(largest)).hi);
 }
 
 void CheckedTapBounds::add_plants(const Axis& axis, double start, double stop, const Interval& period) {

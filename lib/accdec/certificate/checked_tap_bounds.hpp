@@ -37,16 +37,17 @@ class CheckedTapBounds {
   double ramp_max(LimitKind kind) const;
   /// Lower end of the largest speed at which the axis starts, or stops, m/s.
   double event_speed(std::size_t axis, bool stop) const { return (stop ? stop_ : start_)[axis]; }
-  /// Bounds on the responses within the cuts; none if no filter is left.
+  /// Bounds on the motion's responses within the cuts; none if no filter is left. Its taps and their differences are
+  /// averages of the command's.
   std::optional<CheckedTube> tube(int order, const std::vector<CheckedCut>& cuts) const {
-    return checked_tube(plants_, tap_max_, smooths_ ? unlimited : ramp_max(LimitKind::jerk), order, cuts);
+    return checked_tube(plants_, command_max_, ramp_max(LimitKind::jerk), order + longer_, cuts);
   }
 
  private:
   void add_plants(const Axis& axis, double start, double stop, const Interval& period);
   void add_limits(const Axis& axis, double start, double stop, const Interval& period, bool ideal);
 
-  bool smooths_;
+  int longer_;  // order of the response
   double tap_max_ = 1.0, command_max_ = 1.0;
   std::map<LimitKind, double> ramp_max_;
   std::vector<double> start_, stop_;

@@ -193,7 +193,7 @@ class Checker {
   }
 
   void check(const proof::ResponseSplit& n, const CheckedBox& whole, const CheckedBox& box, int depth) {
-    const auto [first, second] = checked_parts(n, whole, box.order);
+    const auto [first, second] = checked_parts(n, whole, box.order + leaves_.longer());
     node(first, depth + 1);
     node(second, depth + 1);
   }
@@ -251,7 +251,7 @@ class Checker {
     } else if (std::holds_alternative<proof::Unreachable>(entry)) {
       leaves_.require_unreachable(box);
     } else if (const auto* split = std::get_if<proof::ResponseSplit>(&entry)) {
-      const auto [first, second] = checked_parts(*split, box, box.order);
+      const auto [first, second] = checked_parts(*split, box, box.order + leaves_.longer());
       exact_order(first, depth + 1);
       exact_order(second, depth + 1);
     } else if (const auto* reversal = std::get_if<proof::ReversalSplit>(&entry)) {

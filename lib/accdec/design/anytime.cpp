@@ -326,7 +326,7 @@ bool exact_covers(const Task& task) {
   if (limits_supply(task.machine) || std::ranges::any_of(task.machine.axes, chord_with_friction)) return false;
   const Response response(task.machine, task.sample_period);
   if (response.ideal()) return true;
-  return response.common() && is_convex(task);
+  return response.common();
 }
 
 void judge_gap(DesignResult& result) {

@@ -13,8 +13,7 @@ namespace accdec {
 DesignResult design_anytime(const Task& task, const DesignOptions& options);
 
 /// Whether the exact method knows all limits of the task. It has no rows of a shared supply, nor of power with dry
-/// friction. Behind a servo or the control's smoothing it knows limits that are linear in the taps, and not power,
-/// regeneration and smallest speeds. All axes then have one servo.
+/// friction. All axes must have one response without negative taps.
 bool exact_covers(const Task& task);
 
 /// The options that the exact method takes from these, whoever calls it.

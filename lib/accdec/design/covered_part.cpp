@@ -7,22 +7,11 @@
 #include <accdec/certificate.hpp>
 #include <accdec/design/covered_part.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/machine/response.hpp>
-#include <accdec/task/limits_on_taps.hpp>
 
 namespace accdec {
 
 Task covered_part(const Task& task) {
-  Task part = *limits_on_taps(task);
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    part.corners[j].error_max = task.corners[j].error_max;
-    part.corners[j].contour_max = task.corners[j].contour_max;
-  }
-  // Forces behind a response are linear in the taps, too.
-  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
-    part.machine.axes[a].force_max = task.machine.axes[a].force_max;
-    part.machine.axes[a].force_speed_max = task.machine.axes[a].force_speed_max;
-  }
+  Task part = task;
   part.machine.power_total_max = part.machine.regeneration_total_max = unlimited;
   for (Axis& axis : part.machine.axes) {
     if (axis.coulomb > 0.0) axis.power_max = axis.regeneration_max = unlimited;
@@ -32,23 +21,14 @@ Task covered_part(const Task& task) {
 
 std::string left_out(const Task& task) {
   const Task part = covered_part(task);
-  const bool ideal = Response(task.machine, task.sample_period).ideal();
   std::vector<std::string> limits;
   for (const AxisLimit& limit : axis_limits) {
     for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
       if (task.machine.axes[a].*limit.bound == part.machine.axes[a].*limit.bound) continue;
-      limits.push_back(limit.kind == LimitKind::force_speed ? "the force-speed curve"
-                                                            : std::string(limit_name(limit.kind).name));
-      if (ideal) limits.back() += " of axes with dry friction";
+      limits.push_back(fmt::format("{} of axes with dry friction", limit_name(limit.kind).name));
       break;
     }
   }
-  for (std::size_t j = 0; j < task.corners.size(); ++j) {
-    if (task.corners[j].speed_min == part.corners[j].speed_min) continue;
-    limits.push_back("the smallest speed");
-    break;
-  }
-  if (!ideal && !limits.empty()) limits.back() += " behind a servo";
   if (limits_supply(task.machine)) limits.push_back("the supply that the axes share");
   return fmt::format("{}", fmt::join(limits, ", "));
 }

@@ -20,7 +20,7 @@ struct CornerBox {
   int d1 = 0, d2 = 0, k1 = 0, k2 = 0;
   double c1 = 0.0, c2 = 0.0;
 };
-/// B_k >= level or B_k <= level, from a split.
+/// B_k >= level or B_k <= level, from a split; of the motion.
 struct SumBound {
   int sample = 0;
   bool upper = false;
@@ -31,7 +31,7 @@ struct ReversalRange {
   int corner = 0, axis = 0;
   int first = 0, last = std::numeric_limits<int>::max();
 };
-/// Bounds low <= B_k <= high, k = 0 .. order + 1.
+/// Bounds low <= B_k <= high of the motion, k = 0 .. its order + 1.
 struct Tube {
   std::vector<double> low, high;
 };

@@ -36,7 +36,7 @@ std::optional<Chord> chord_of(const proof::Row& row) {
   return std::nullopt;
 }
 
-Chords::Chords(const Task& task) : task_(task), speeds_(event_speeds(task)) {
+Chords::Chords(const Task& task, const ConvexRows& rows) : task_(task), rows_(rows), speeds_(event_speeds(task)) {
   find_families();
 }
 
@@ -117,7 +117,7 @@ double Chords::force_cap(const ChordFamily& family) const {
 }
 
 int Chords::last_sample(const ChordFamily& family, const Box& box) const {
-  return box.order + event_delay(family, box) + 1;
+  return order(box) + event_delay(family, box) + 1;
 }
 
 bool Chords::single_delay(const ChordFamily& family, const Box& box) const {
@@ -187,12 +187,12 @@ std::optional<Chord> Chords::draw(const ChordFamily& family, int sample, const B
   return chord;
 }
 
-std::optional<Chord> Chords::tangent(const Chord& chord, const Filter& filter, const Box& box, double least_use) const {
+std::optional<Chord> Chords::tangent(const Chord& chord, const Filter& motion, const Box& box, double least_use) const {
   const ChordFamily& family = chord.family;
   const Legs v = event_legs(family);
   const int k = chord.sample, m = k - event_delay(family, box);
-  const double in = v.in * filter.remaining(k), out = v.out * filter.cumulative(m);
-  if (use(family, k, filter, box) < least_use) return std::nullopt;
+  const double in = v.in * motion.remaining(k), out = v.out * motion.cumulative(m);
+  if (use(family, k, motion, box) < least_use) return std::nullopt;
   if (family.kind == ChordFamily::speed) {
     const double turned = turn(family);
     const double direction = std::atan2(out * std::sin(turned), in + out * std::cos(turned));
@@ -203,12 +203,12 @@ std::optional<Chord> Chords::tangent(const Chord& chord, const Filter& filter, c
   return Chord{family, k, speed, speed};
 }
 
-double Chords::use(const ChordFamily& family, int k, const Filter& filter, const Box& box) const {
+double Chords::use(const ChordFamily& family, int k, const Filter& motion, const Box& box) const {
   const Legs v = event_legs(family);
   const int d = event_delay(family, box);
-  const auto speed = [&](int at) { return v.in * filter.remaining(at) + v.out * filter.cumulative(at - d); };
+  const auto speed = [&](int at) { return v.in * motion.remaining(at) + v.out * motion.cumulative(at - d); };
   if (family.kind == ChordFamily::speed) {
-    const double in = v.in * filter.remaining(k), out = v.out * filter.cumulative(k - d);
+    const double in = v.in * motion.remaining(k), out = v.out * motion.cumulative(k - d);
     return bound(family) / std::sqrt(std::max(1e-300, in * in + out * out - 2.0 * in * out * cosine(family)));
   }
   const Axis& x = axis(family);
@@ -220,9 +220,11 @@ double Chords::use(const ChordFamily& family, int k, const Filter& filter, const
 
 double Chords::gather_close(const Filter& filter, const Box& box, std::vector<Chord>& close) const {
   double worst = 0.0;
+  std::optional<Filter> made;
+  const Filter& motion = rows_.motion().behind(filter, made);
   for (const ChordFamily& family : families_) {
     for (int k = 1; k <= last_sample(family, box); ++k) {
-      const double used = use(family, k, filter, box);
+      const double used = use(family, k, motion, box);
       worst = std::max(worst, used);
       const bool known =
           std::any_of(close.begin(), close.end(), [&](const Chord& c) { return c.sample == k && c.family == family; });
@@ -251,9 +253,10 @@ SparseRow Chords::speed_row(const Chord& chord, const Box& box) const {
   const double in = std::cos(middle) * v.in / bound(family);
   const double out = std::cos(turn(family) - middle) * v.out / bound(family);
   SparseRow row;
+  row.of_motion = rows_.servo();
   row.constant = 1.0 + std::cos(half) - in;
-  add_response(row, box.order, chord.sample, in);
-  add_response(row, box.order, chord.sample - event_delay(family, box), -out);
+  add_response(row, order(box), chord.sample, in);
+  add_response(row, order(box), chord.sample - event_delay(family, box), -out);
   return row;
 }
 
@@ -266,10 +269,11 @@ SparseRow Chords::row(const Chord& chord, const Box& box) const {
   const double most = bound(family), inertia = x.mass / task_.sample_period;
   const double turned = family.kind == ChordFamily::power ? 1.0 : -1.0;
   SparseRow row;
+  row.of_motion = rows_.servo();
   const auto speed = [&](int at, double c) {
     row.constant += c * v.in;
-    add_response(row, box.order, at, -c * v.in);
-    add_response(row, box.order, at - d, c * v.out);
+    add_response(row, order(box), at, -c * v.in);
+    add_response(row, order(box), at - d, c * v.out);
   };
   row.constant = -chord.low / chord.high;
   speed(k, family.sign * (turned * (inertia + x.damping) * chord.low / most + 1.0 / chord.high));
@@ -279,6 +283,8 @@ SparseRow Chords::row(const Chord& chord, const Box& box) const {
 
 std::vector<Chord> Chords::broken(const Filter& filter, const Box& box, double slack) const {
   std::vector<Chord> broken;
+  std::optional<Filter> made;
+  const Filter& motion = rows_.motion().behind(filter, made);
   for (const ChordFamily& family : families_) {
     if (!single_delay(family, box)) continue;
     for (int k = 1; k <= last_sample(family, box); ++k) {
@@ -286,7 +292,7 @@ std::vector<Chord> Chords::broken(const Filter& filter, const Box& box, double s
       if (!drawn) continue;
       const SparseRow cut = row(*drawn, box);
       double value = cut.constant;
-      for (const auto& [i, c] : cut.sums) value += c * filter.cumulative(i);
+      for (const auto& [i, c] : cut.sums) value += c * motion.cumulative(i);
       if (value > 1.0 + slack) broken.push_back(*drawn);
     }
   }

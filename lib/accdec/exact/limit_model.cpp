@@ -16,12 +16,12 @@ struct LimitModel::Granted {
 LimitModel::LimitModel(const Task& task)
     : granted_(std::make_unique<Granted>(task)),
       rows(task),
-      chords(task),
+      chords(task, rows),
       tube(granted_->model.tube),
       ramps(task),
       task_(task) {}
 LimitModel::LimitModel(const Task& granted, std::nullptr_t)
-    : rows(granted), chords(granted), tube(granted, rows), ramps(granted), task_(granted) {}
+    : rows(granted), chords(granted, rows), tube(granted, rows), ramps(granted), task_(granted) {}
 LimitModel::~LimitModel() = default;
 
 const LimitModel& LimitModel::granted() const {
@@ -79,11 +79,12 @@ double LimitModel::weight_out(std::size_t corner, double angle) const {
 
 namespace {
 
-/// The box's own bound on B_sample, as a row.
-SparseRow response_row(const proof::Response& id, const Box& box) {
+/// The box's own bound on B_sample of the motion, as a row.
+SparseRow response_row(const proof::Response& id, const Box& box, const ConvexRows& rows) {
   SparseRow row;
+  row.of_motion = rows.servo();
   const auto k = static_cast<std::size_t>(id.sample);
-  if (id.sample > 0 && id.sample <= box.order) row.sums.emplace_back(id.sample, id.sign);
+  if (id.sample > 0 && id.sample <= box.order + rows.motion().order()) row.sums.emplace_back(id.sample, id.sign);
   row.constant = 1.0 - (id.sign > 0 ? box.tube.high[k] : -box.tube.low[k]);
   return row;
 }
@@ -95,7 +96,7 @@ SparseRow LimitModel::row(const proof::Row& id, const Box& box) const {
   if (const auto* force = std::get_if<proof::EventForce>(&id)) return rows.row(*force, box);
   if (const auto* blend = std::get_if<proof::Blend>(&id)) return rows.row(*blend, box);
   if (const auto* reversal = std::get_if<proof::Reversal>(&id)) return rows.row(*reversal, box);
-  if (const auto* response = std::get_if<proof::Response>(&id)) return response_row(*response, box);
+  if (const auto* response = std::get_if<proof::Response>(&id)) return response_row(*response, box, rows);
   if (const auto chord = chord_of(id)) return chords.row(*chord, box);
   throw std::logic_error("such a row is not sparse");
 }

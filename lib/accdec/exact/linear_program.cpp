@@ -76,8 +76,10 @@ void LinearProgram::tie(const std::vector<Chord>& close, const Filter& at, const
 void LinearProgram::add_tangents(const std::vector<Chord>& close, const Filter& at, const Box& box, double least_use,
                                  bool soft) {
   lp_.set_column_bounds(drafts_.excess(), 0.0, DualSimplex::infinity);
+  std::optional<Filter> made;
+  const Filter& motion = model_.rows.motion().behind(at, made);
   for (const Chord& chord : close) {
-    const auto tangent = model_.chords.tangent(chord, at, box, least_use);
+    const auto tangent = model_.chords.tangent(chord, motion, box, least_use);
     if (!tangent) continue;
     add(drafts_.limit(model_.chords.row(*tangent, box), 1.0, false, soft), row_of(*tangent));
   }
@@ -109,7 +111,8 @@ void LinearProgram::add_base_rows() {
   }
   tube_rows_ = lp_.rows();
   if (model_.convex() || kind_.window) return;
-  for (int k = 1; k <= largest_ + 1; ++k) add(drafts_.response(k), proof::Response{k, 1});
+  for (int k = 1; k <= largest_ + model_.rows.motion().order() + 1; ++k)
+    add(drafts_.response(k), proof::Response{k, 1});
 }
 
 void LinearProgram::add_cone(std::size_t j, double angle, const Box& box) {
@@ -179,7 +182,8 @@ void LinearProgram::prepare(const Box& box, bool symmetric) {
   }
   lp_.set_column_bounds(drafts_.excess(), -least_, DualSimplex::infinity);
   for (int i = 0; i <= largest_; ++i) lp_.set_column_bounds(i, 0.0, i <= box.order ? tap_bound(i) : 0.0);
-  for (int k = 1; k <= largest_ + 1 && !model_.convex() && !kind_.window; ++k) {
+  const int responses = model_.convex() || kind_.window ? 0 : largest_ + model_.rows.motion().order() + 1;
+  for (int k = 1; k <= responses; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const bool bounded = i < box.tube.low.size();
     lp_.set_row_bounds(tube_rows_ + k - 1, bounded ? box.tube.low[i] - slack : 0.0,

@@ -90,7 +90,8 @@ class Pruner {
     if (std::holds_alternative<proof::Error>(id) || std::holds_alternative<proof::Vibration>(id) ||
         std::holds_alternative<proof::Contour>(id))
       return true;
-    if (const auto* response = std::get_if<proof::Response>(&id); response && response->sample > box.order)
+    if (const auto* response = std::get_if<proof::Response>(&id);
+        response && response->sample > box.order + box.longer())
       return false;
     if (const auto chord = chord_of(id); chord && chord->sample > model_.chords.last_sample(chord->family, box))
       return false;

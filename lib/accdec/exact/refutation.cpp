@@ -136,7 +136,7 @@ class WeightedSum {
     return add(model_.rows.row(id, exact_box_), y);
   }
   bool add(const proof::Response& id, double y) {
-    if (id.sample > exact_box_.order) return true;
+    if (id.sample > exact_box_.order + model_.rows.motion().order()) return true;
     return has_tube() && add(model_.row(id, exact_box_), y);
   }
   /// Power and smallest speed.
@@ -153,7 +153,9 @@ class WeightedSum {
     return add(model_.chords.row(chord, exact_box_), y);
   }
 
-  bool has_tube() const { return static_cast<int>(exact_box_.tube.low.size()) == exact_box_.order + 2; }
+  bool has_tube() const {
+    return static_cast<int>(exact_box_.tube.low.size()) == exact_box_.order + model_.rows.motion().order() + 2;
+  }
 
   bool add(const SparseRow& row, double y) {
     if (row.no_terms() && row.constant <= 1.0) return true;

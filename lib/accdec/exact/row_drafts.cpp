@@ -26,7 +26,10 @@ const DraftRow& RowDrafts::equal_taps(int one, int other) {
 
 const DraftRow& RowDrafts::response(int sample) {
   draft_.clear();
-  for (int i = 0; i < sample; ++i) draft_.add(i, 1.0);
+  const Smoothing& motion = model_.rows.motion();
+  for (int i = 0; i < sample && i <= largest_; ++i) {
+    if (const double c = motion.sum(sample - i); c != 0.0) draft_.add(i, c);
+  }
   draft_.low = 0.0, draft_.high = 1.0 + slack;
   return draft_;
 }

@@ -79,6 +79,7 @@ ConvexRows::ConvexRows(const Task& task)
     if (speeds_[a].stop > 0.0)
       tap_max_ = std::min(tap_max_, (axis.force_max + axis.coulomb) * t / (axis.mass * speeds_[a].stop));
   }
+  command_tap_max_ = tap_max_;
   tap_max_ = std::min(1.0, tap_max_ / smoothing_.largest());
   for (const AxisLimit& limit : axis_limits) {
     if (limit.differences < (smoothing_.none() ? 1 : 0)) continue;

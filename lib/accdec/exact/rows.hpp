@@ -73,7 +73,8 @@ class ConvexRows {
   const Smoothing& motion() const { return motion_; }
   /// Whether the motion is another than the command.
   bool servo() const { return motion_.order() > smoothing_.order(); }
-  double tap_max() const { return tap_max_; }  ///< of a designed tap, from accelerations, <= 1
+  double tap_max() const { return tap_max_; }                  ///< of a designed tap, from accelerations, <= 1
+  double command_tap_max() const { return command_tap_max_; }  ///< of one behind the control's smoothing
   const std::vector<RampLimit>& ramps() const { return ramps_; }
   /// The bound of one of these limits; infinite if there is none.
   double ramp_max(LimitKind kind) const;
@@ -133,7 +134,7 @@ class ConvexRows {
   Smoothing smoothing_, motion_;
   std::vector<std::vector<ForceLine>> lines_;  ///< of each axis
   std::vector<EventSpeeds> speeds_;
-  double tap_max_ = 1.0;
+  double tap_max_ = 1.0, command_tap_max_ = 1.0;
   std::vector<RampLimit> ramps_;
   std::array<double, most_differences + 1> period_to_the_;  ///< s^n, by n
 };

@@ -19,19 +19,21 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
   double worst = 1.0 + 1e-9;
   SumBound split;
   bool broken = false;
+  std::optional<Filter> made;
+  const Filter& motion = model.rows.motion().behind(filter, made);
   for (const ChordFamily& family : model.chords.families()) {
     if (among && family.corner) {
       const CornerBox& c = box.corner(*family.corner);
       if ((*among)[static_cast<std::size_t>(*family.corner)] == 0 || c.d1 < c.d2) continue;
     }
     for (int sample = 1; sample <= model.chords.last_sample(family, box); ++sample) {
-      const double use = model.chords.use(family, sample, filter, box);
+      const double use = model.chords.use(family, sample, motion, box);
       if (use <= worst) continue;
       broken = true;
       const int d = family.corner ? box.corner(*family.corner).d1 : 0;
       double widest = narrowest;
       for (const int k : {sample, sample - d, sample - 1, sample - 1 - d}) {
-        if (k < 1 || k > box.order) continue;
+        if (k < 1 || k > motion.order()) continue;
         const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
         // The speed one sample before counts less: chords are exact in it.
         const double width = (high - low) * (k == sample || k == sample - d ? 1.0 : 1e-3);
@@ -39,7 +41,7 @@ std::optional<SumBound> widest_break(const LimitModel& model, const Filter& filt
         widest = width;
         worst = use;
         split.sample = k;
-        split.level = std::clamp(filter.cumulative(k), low + 0.2 * (high - low), high - 0.2 * (high - low));
+        split.level = std::clamp(motion.cumulative(k), low + 0.2 * (high - low), high - 0.2 * (high - low));
       }
     }
   }
@@ -64,7 +66,7 @@ BoxState SumSearch::refute(Box box, bool symmetric, int depth) {
     // The linear program gave no answer; its parts may give one.
     SumBound middle;
     double widest = 1e-3;
-    for (int k = 1; k <= box.order; ++k) {
+    for (int k = 1; k <= box.order + box.longer(); ++k) {
       const double low = box.tube.low[static_cast<std::size_t>(k)], high = box.tube.high[static_cast<std::size_t>(k)];
       if (high - low > widest) widest = high - low, middle = {k, true, 0.5 * (low + high)};
     }

@@ -46,10 +46,12 @@ bool TogetherSearch::blend_holds(const Filter& filter, const Box& box, std::size
     return false;
   if (box.window) return true;
   if (bench_.model().rows.breaks_residual(filter, one, j, 1e-9)) return false;
+  std::optional<Filter> made;
+  const Filter& motion = bench_.model().rows.motion().behind(filter, made);
   for (const ChordFamily& family : bench_.model().chords.families()) {
     if (family.corner != static_cast<int>(j)) continue;
     for (int sample = 1; sample <= bench_.model().chords.last_sample(family, one); ++sample) {
-      if (bench_.model().chords.use(family, sample, filter, one) > 1.0 + 1e-9) return false;
+      if (bench_.model().chords.use(family, sample, motion, one) > 1.0 + 1e-9) return false;
     }
   }
   return true;

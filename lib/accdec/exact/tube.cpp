@@ -44,8 +44,7 @@ double TubeLimits::Plant::least_before(double low, double high) const {
 }
 
 TubeLimits::TubeLimits(const Task& task, const ConvexRows& rows)
-    : tap_max_(rows.tap_max()), jerk_max_(rows.smoothing().none() ? rows.ramp_max(LimitKind::jerk) : unlimited) {
-  if (!rows.motion().none()) return;  // no other limit is of the designed taps
+    : longer_(rows.motion().order()), tap_max_(rows.command_tap_max()), jerk_max_(rows.ramp_max(LimitKind::jerk)) {
   const std::vector<EventSpeeds> speeds = event_speeds(task);
   for (std::size_t a = 0; a < speeds.size(); ++a) {
     const Axis& axis = task.machine.axes[a];
@@ -62,7 +61,7 @@ TubeLimits::TubeLimits(const Task& task, const ConvexRows& rows)
 /// Starts with the range that splits and jerk leave.
 void TubeLimits::begin(Box& box) const {
   Tube& tube = box.tube;
-  const int n = box.order;
+  const int n = box.order + longer_;
   tube.low.assign(static_cast<std::size_t>(n) + 2, 0.0);
   tube.high.assign(static_cast<std::size_t>(n) + 2, 1.0);
   tube.high.front() = 0.0;

@@ -7,7 +7,8 @@
 
 namespace accdec::exact {
 
-/// Bounds on the cumulative responses of a box: the values that the limits on starts and stops can reach.
+/// Bounds on the cumulative responses of a box: the values that the limits on starts and stops can reach. Behind a
+/// response they are those of the motion, whose taps and differences are averages of the command's.
 class TubeLimits {
  public:
   TubeLimits(const Task& task, const ConvexRows& rows);
@@ -26,7 +27,8 @@ class TubeLimits {
   };
   void begin(Box& box) const;
 
-  double tap_max_, jerk_max_;
+  int longer_;                 ///< order of the response
+  double tap_max_, jerk_max_;  ///< of the command
   std::vector<Plant> plants_;
 };
 

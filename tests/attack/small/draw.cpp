@@ -20,7 +20,10 @@ class Draw {
 
   Task run() {
     several_ = is("several") || is("in-position") || (is("servo") && chance(0.1));
-    feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, several_ || is("power") || is("regeneration") ? 3.0 : 7.0);
+    power_ = is("power") || (is("servo") && chance(0.2));
+    regeneration_ = is("regeneration") || (is("servo") && chance(0.2));
+    slow_ = is("speed") || (is("servo") && chance(0.15));
+    feed_ = uniform(0.01, 0.4), samples_ = uniform(1.2, several_ || power_ || regeneration_ ? 3.0 : 7.0);
     task_.sample_period = 1e-3 * one_of({0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 20.0});
     task_.design.order_max = chance(0.15) ? whole(1, 6) : 24;
     if (chance(0.1)) task_.design.order_min = whole(1, std::min(task_.design.order_max, 5));
@@ -57,8 +60,7 @@ class Draw {
   Axis axis() {
     Axis axis;
     const double time = samples_ * task_.sample_period, acceleration = feed_ / time;
-    const bool loads = is("power") || is("regeneration");
-    const bool force = loads || is("force") || chance(is("servo") ? 0.8 : 0.2);
+    const bool force = power_ || regeneration_ || is("force") || chance(is("servo") ? 0.8 : 0.2);
     if (!force || chance(0.4)) axis.acceleration_max = acceleration * uniform(1.0, 2.0);
     if (!is("force") && chance(0.6)) axis.jerk_max = acceleration / (uniform(0.1, 0.6) * time);
     if (is("velocity")) axis.velocity_max = feed_ * uniform(1.0, 1.2);
@@ -67,8 +69,8 @@ class Draw {
     axis.damping = one_of({0.0, uniform(0.0, 1.0) * axis.mass * acceleration / feed_, 10.0});
     if (chance(0.05)) axis.mass = 0.0, axis.damping = 10.0;
     axis.force_max = axis.mass * acceleration * uniform(1.0, 1.5) + axis.damping * feed_ * (chance(0.05) ? 0.9 : 1.0);
-    if (is("power")) axis.power_max = axis.force_max * feed_ * uniform(0.4, 1.0) + axis.damping * feed_ * feed_;
-    if (is("regeneration")) axis.regeneration_max = std::max(1.0, axis.mass * acceleration) * feed_ * uniform(0.2, 1.0);
+    if (power_) axis.power_max = axis.force_max * feed_ * uniform(0.4, 1.0) + axis.damping * feed_ * feed_;
+    if (regeneration_) axis.regeneration_max = std::max(1.0, axis.mass * acceleration) * feed_ * uniform(0.2, 1.0);
     return axis;
   }
 
@@ -85,7 +87,7 @@ class Draw {
     const int axes = static_cast<int>(task_.machine.axes.size());
     if (axes >= 2 && chance(0.7)) {
       const double degree = std::numbers::pi / 180.0;
-      angle = degree * (is("speed") ? uniform(60.0, 170.0) : one_of({uniform(5.0, 175.0), 15.0 * whole(1, 11)}));
+      angle = degree * (slow_ ? uniform(60.0, 170.0) : one_of({uniform(5.0, 175.0), 15.0 * whole(1, 11)}));
       return PlanarLegs{angle, degree * one_of({0.0, 30.0, 45.0, 90.0, uniform(-180.0, 180.0)}),
                         chance(0.5) ? Turn::left : Turn::right};
     }
@@ -100,7 +102,7 @@ class Draw {
       }
       if (in < 0.01 || out < 0.01) continue;
       angle = std::acos(std::clamp(-both / std::sqrt(in * out), -1.0, 1.0));
-      if (!is("speed") || angle > 1.0) return directed;
+      if (!slow_ || angle > 1.0) return directed;
     }
   }
 
@@ -115,13 +117,13 @@ class Draw {
                         static_cast<int>(task_.machine.axes.size()));
       // The error of a moving average without delay, Eq. (6) of Shih, Chen and Lee, sets the scale.
       const double scale =
-          in * samples_ * task_.sample_period / 4.0 * std::max(std::cos(angle / 2.0), 0.05) * (is("speed") ? 4.0 : 1.0);
+          in * samples_ * task_.sample_period / 4.0 * std::max(std::cos(angle / 2.0), 0.05) * (slow_ ? 4.0 : 1.0);
       if (is("fixed-delay") || (several_ && !is("in-position") && chance(0.1)))
         corner.delay = whole(0, 6);
       else
         corner.error_max = scale * (chance(0.03) ? 0.0 : uniform(0.05, 1.3));
       if (is("weighted") || several_) corner.weight = one_of({1.0, 1.0, 2.0, 5.0, 0.3});
-      if (is("speed")) corner.speed_min = std::min(in, out) * uniform(0.02, 0.5);
+      if (slow_) corner.speed_min = std::min(in, out) * uniform(0.02, 0.5);
       task_.corners.push_back(std::move(corner));
     }
   }
@@ -173,7 +175,7 @@ class Draw {
         const auto i = static_cast<Eigen::Index>(a);
         return corner.geometry().direction_in[i] * corner.geometry().direction_out[i] < 0.0;
       });
-      if (axis.force_max == unlimited || reverses || !chance(0.4)) continue;
+      if (axis.force_max == unlimited || reverses || power_ || regeneration_ || !chance(0.4)) continue;
       axis.coulomb = uniform(0.02, 0.5) * axis.force_max;
       if (chance(0.7)) axis.force_max += axis.coulomb;
     }
@@ -181,7 +183,7 @@ class Draw {
 
   std::string_view kind_;
   std::mt19937_64 random_;
-  bool several_ = false;
+  bool several_ = false, power_ = false, regeneration_ = false, slow_ = false;
   double feed_ = 0.0, samples_ = 0.0;
   Task task_;
 };
