@@ -1,4 +1,4 @@
-"""Says what the certificates of results of `accdec design` prove. Exit 0: all hold; 1: one does not; 2: unreadable."""
+"""Says what the certificates of results of `accdec design` prove. Exit 0: all hold; 1: one does not; 2: not opened."""
 import argparse
 import sys
 

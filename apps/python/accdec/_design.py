@@ -56,7 +56,8 @@ def _options(task: Task, given: Optional[Mapping[str, Any]], nlp: bool) -> dict[
 def _with_corners(task: TaskLike, objective: Optional[str]) -> Task:
     made = as_task(task)
     if not made.corners:
-        raise _core.InputError("task: the task has no corner; at least one corner with angle and feed_in is needed")
+        raise _core.InputError("task: the task has no corner; at least one corner with angle_deg and feed_in_mm_min "
+                               "is needed")
     return made if objective is None else made.replace(objective=arguments.text("objective", objective))
 
 

@@ -53,7 +53,7 @@ export function exportChoice(select, button, shared) {
     ...shared.start.formats.map((f) => [f, `taps, ${f}`]),
   ];
   select.append(...choices.map(([value, text]) => make("option", { value }, text)));
-  const saving = new Saving();
+  const savings = new Map(choices.map(([format]) => [format, new Saving()]));
   const exported = async (format, wait) => {
     if (unread()) throw new Error(no_number);
     if (format === "task") return askBlob("file", shared.state.task);
@@ -67,7 +67,7 @@ export function exportChoice(select, button, shared) {
   };
   button.addEventListener("click", () => {
     const format = select.value;
-    saving.save((wait) => exported(format, wait), fileName(taskName(shared), format), shared.note);
+    savings.get(format).save((wait) => exported(format, wait), fileName(taskName(shared), format), shared.note);
   });
 }
 
@@ -168,6 +168,7 @@ export class Saving {
   async save(content, name, tell) {
     if (this.running) return void (this.ended = true);
     Object.assign(this, { running: true, ended: false });
+    tell("");
     try {
       const said = (what) => tell(`${what}; press again to end that`, true);
       const found = await content({ tell: said, ends: () => this.ended });
