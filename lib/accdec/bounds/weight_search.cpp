@@ -11,7 +11,9 @@ namespace accdec {
 namespace {
 
 constexpr int steps_max = 60;
-constexpr std::size_t side_pieces_max = 10;  // of a leg, on either side
+constexpr double side_pieces_max = 10.0;  // of a leg, on either side
+// With a jerk limit, half as long pieces raise the bound of short programs; on long ones that search ends too early.
+constexpr std::size_t fine_legs_max = 150;
 constexpr double least_step = 0.5;
 constexpr double roughest = 0.1, finest = 2e-4, finer = 0.6;  // smoothing, against the time of a piece
 
@@ -46,7 +48,7 @@ std::vector<std::vector<double>> shares_of(const WeightedSection& section, doubl
   for (const auto& leg : section.legs) {
     const double half = 0.5 * leg.guess, reach = std::min(half, leg.reach);
     const double piece = finest_piece * coarse * std::min(leg.reach, 2.0 * mean);
-    const auto most = static_cast<double>(side_pieces_max);
+    const double most = side_pieces_max / std::min(1.0, coarse);
     const auto side = static_cast<std::size_t>(std::clamp(std::ceil(reach / piece), 1.0, most));
     std::vector<double> some;
     for (std::size_t k = 0; k <= side; ++k)
@@ -320,7 +322,8 @@ class WeightSearch {
 }  // namespace
 
 double largest_weighted_time(const WeightedSection& section, double work, const std::function<bool()>& more) {
-  for (const double coarse : {1.0, 1.5, 2.5, 5.0, 20.0}) {
+  for (const double coarse : {0.5, 1.0, 1.5, 2.5, 5.0, 20.0}) {
+    if (coarse < 1.0 && (!section.jerk() || section.legs.size() > fine_legs_max)) continue;
     WeightSearch search(section, {section.axes.size(), section.jerk(), shares_of(section, coarse)});
     if (30.0 * search.work() <= work) return search.largest(more);
   }
