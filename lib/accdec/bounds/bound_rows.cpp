@@ -35,8 +35,7 @@ double BoundRows::Multipliers::least(const std::vector<double>& costs, const std
 }
 
 BoundRows::Multipliers BoundRows::multipliers(const std::vector<double>& costs, const std::vector<double>& low,
-                                              const std::vector<double>& high,
-                                              std::vector<unsigned char>& basis) const {
+                                              const std::vector<double>& high) const {
   RowProgram program{columns_, {0}, {}, {}, costs, low, high, low_, high_};
   for (const auto& row : rows_) {
     for (const auto& [column, factor] : row) {
@@ -47,16 +46,14 @@ BoundRows::Multipliers BoundRows::multipliers(const std::vector<double>& costs, 
   }
   static auto* const row_duals = solvers::module_function<decltype(accdec_row_duals)>("clp", "accdec_row_duals");
   std::vector<double> dual;
-  row_duals(program, dual, basis);
+  row_duals(program, dual);
   Multipliers result;
   result.part.assign(costs.size(), 0.0);
-  result.rows.assign(rows_.size(), 0.0);
   if (dual.empty()) return result;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const double side = dual[r] > 0.0 ? low_[r] : high_[r];
     if (dual[r] == 0.0 || !(std::abs(side) < 0.1 * none) || !std::isfinite(dual[r])) continue;
     result.sides += dual[r] * side;
-    result.rows[r] = dual[r];
     for (const auto& [column, factor] : rows_[r]) result.part[static_cast<std::size_t>(column)] += dual[r] * factor;
   }
   return result;

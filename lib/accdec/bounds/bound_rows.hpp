@@ -19,23 +19,15 @@ class BoundRows {
   struct Multipliers {
     double sides = 0.0;        ///< the multipliers times the sides of their rows that their signs name
     std::vector<double> part;  ///< the multipliers' part in every column
-    std::vector<double> rows;  ///< the multipliers; 0 where their side is missing
     /// The least that this leaves of costs x with columns in [low, high].
     double least(const std::vector<double>& costs, const std::vector<double>& low,
                  const std::vector<double>& high) const;
   };
   /// Those of the least costs x with columns in [low, high]; valid whatever the solver ends with, and zeros if it
   /// fails.
-  /// @param basis  of the last program of as many rows and columns, or empty; becomes this one's
   /// @throws std::runtime_error if Clp's module cannot be loaded (solvers/module.hpp)
   Multipliers multipliers(const std::vector<double>& costs, const std::vector<double>& low,
-                          const std::vector<double>& high, std::vector<unsigned char>& basis) const;
-  /// As above, from no basis.
-  Multipliers multipliers(const std::vector<double>& costs, const std::vector<double>& low,
-                          const std::vector<double>& high) const {
-    std::vector<unsigned char> none;
-    return multipliers(costs, low, high, none);
-  }
+                          const std::vector<double>& high) const;
 
  private:
   int columns_;

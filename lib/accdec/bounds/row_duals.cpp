@@ -1,11 +1,8 @@
-#include <algorithm>
-
 #include <coin/ClpSimplex.hpp>
 
 #include <accdec/bounds/row_duals.hpp>
 
-void accdec_row_duals(const accdec::RowProgram& program, std::vector<double>& duals,
-                      std::vector<unsigned char>& basis) {
+void accdec_row_duals(const accdec::RowProgram& program, std::vector<double>& duals) {
   const auto rows = static_cast<int>(program.row_low.size());
   const CoinPackedMatrix matrix(false, program.columns, rows, static_cast<CoinBigIndex>(program.index.size()),
                                 program.value.data(), program.index.data(), program.start.data(), nullptr);
@@ -15,13 +12,9 @@ void accdec_row_duals(const accdec::RowProgram& program, std::vector<double>& du
   lp.scaling(0);
   lp.loadProblem(matrix, program.low.data(), program.high.data(), program.costs.data(), program.row_low.data(),
                  program.row_high.data());
-  const auto states = static_cast<std::size_t>(rows + program.columns);
-  lp.createStatus();
-  if (basis.size() == states) std::copy(basis.begin(), basis.end(), lp.statusArray());
   // Not seconds: the bound must not depend on how fast the machine is.
   lp.setMaximumIterations(20'000);
   lp.dual();
-  basis.assign(lp.statusArray(), lp.statusArray() + states);
   duals.clear();
   if (const double* dual = lp.dualRowSolution(); dual != nullptr) duals.assign(dual, dual + rows);
 }

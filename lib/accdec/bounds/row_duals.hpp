@@ -15,6 +15,4 @@ struct RowProgram {
 }  // namespace accdec
 
 /// In Clp's module. One dual per row; empty if Clp has none.
-/// @param basis  Clp's states of columns and rows: the last ones of a similar program, or empty; becomes those found
-extern "C" void accdec_row_duals(const accdec::RowProgram& program, std::vector<double>& duals,
-                                 std::vector<unsigned char>& basis);
+extern "C" void accdec_row_duals(const accdec::RowProgram& program, std::vector<double>& duals);
