@@ -72,7 +72,7 @@ class BehindAServo(BothCheckers):
                 self.refuse_forgeries(result)
 
     def refuse_forgeries(self, result):
-        """A bound that is a sample longer; a drive of ten times the force and power; a servo that spreads every force."""
+        """A bound a sample longer; a drive of ten times the force and power; a servo that spreads every force."""
         proof = result["certificate"]
         if proof["bound_samples"] is not None:
             longer = {"bound_samples": proof["bound_samples"] + 1}

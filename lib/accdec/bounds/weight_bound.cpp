@@ -4,16 +4,10 @@
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/weight_bound.hpp>
 #include <accdec/bounds/weight_search.hpp>
+#include <accdec/simulate/sample_check.hpp>
 
 namespace accdec {
 namespace {
-
-/// From the segment from 0 to `way`.
-double distance(const AxisVector& point, const AxisVector& way) {
-  const double length2 = dot(way, way);
-  const double along = length2 > 0.0 ? std::clamp(dot(point, way) / length2, 0.0, 1.0) : 0.0;
-  return norm(combined(1.0, point, -along, way));
-}
 
 using SectionLeg = WeightedSection::Leg;
 
@@ -28,9 +22,11 @@ SectionLeg joined(const std::vector<SectionLeg>& legs, std::size_t first, std::s
     whole.feed = std::max(whole.feed, legs[i].feed);
   }
   whole.tolerance = legs[end - 1].tolerance;
-  double off = 0.0;
-  for (const AxisVector& point : inside) off = std::max(off, distance(point, whole.way));
-  whole.radius += off;
+  double off2 = 0.0;
+  const AxisVector begin{};
+  for (const AxisVector& point : inside)
+    off2 = std::max(off2, segment_distance2(begin.data(), whole.way.data(), point.data(), point.size()));
+  whole.radius += std::sqrt(off2);
   return whole;
 }
 
