@@ -110,6 +110,17 @@ std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec
   return std::nullopt;
 }
 
+/// An error scale above that of any filter of the order at any sample: a leg runs at most its feed all the time.
+double largest_error_scale(const Task& task, int order) {
+  double most = 0.0;
+  for (const TaskCorner& corner : task.corners) {
+    if (!corner.error_max || *corner.error_max == 0.0) continue;
+    const auto geometry = corner.geometry();
+    most = std::max(most, (geometry.feed_in + geometry.feed_out) * task.sample_period * order / *corner.error_max);
+  }
+  return most;
+}
+
 /// Search for the least error scale; value^2 is sigma.
 class MarginSearch : public ReferenceSearch {
  public:
@@ -173,6 +184,8 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   }
   reference.lower = search.lower * search.lower;
   reference.work = search.linear_programs();
+  if (!search.best && search.lower > largest_error_scale(subject.spec().task, spec.order))
+    return infeasible("exact: linear programs that refute every corner error", reference.work);
   if (!search.best) return reference;
   const auto& problem = dynamic_cast<const MarginProblem&>(*subject.problem(true));
   std::vector<double> x = problem.start_from(*search.best);
@@ -245,6 +258,10 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
       return upper <= enough ? infinity : share * closed * std::max(1.0 / task.corners[j].weight, upper);
     });
     reference.work += searches.back()->linear_programs();
+    // A delay of more than the order is an exact stop, which changes nothing any more.
+    if (!searches.back()->best && searches.back()->lower > spec.order + 1.0)
+      return infeasible("exact: linear programs that refute every delay of corner " + task.corners[j].name,
+                        reference.work);
     if (!all_given)
       reference.lower += task.corners[j].weight * searches.back()->lower;
     else if (searches.back()->lower > enough + closed * std::max(1.0, enough))
