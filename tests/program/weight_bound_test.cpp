@@ -23,8 +23,8 @@ namespace accdec::weight_bound_test {
 namespace {
 
 using test::machine_of;
-constexpr double work = 1e9;
 double largest(const WeightedSection& section) {
+  double work = 1e9;
   return largest_weighted_time(section, work, [] { return true; });
 }
 

@@ -18,9 +18,13 @@
 namespace accdec {
 namespace {
 
-constexpr std::size_t programs_max = 600;  // linear programs
-constexpr double kernel_work_max = 2.5e8;  // s, about 3e-9 times this
-constexpr double weight_work_max = 1e10;   // s, about 5e-10 times this
+/// What may be spent.
+struct Effort {
+  std::size_t programs;  // linear ones, some 5 ms each
+  double kernels;        // steps, some 3 ns each
+  double weights;        // products, some 1 ns each
+};
+constexpr Effort of_seconds{600, 2.5e8, 2e10}, of_a_second{200, 2.5e7, 3e8};
 constexpr double cell_ratio = 1.05;        // of one length of windows to the next
 constexpr int widenings_max = 24;
 
@@ -46,10 +50,9 @@ bool same(const TubeLeg& a, const TubeLeg& b) {
 
 /// The work that may still be done.
 struct WorkLeft {
+  Effort effort;
   double time_limit = 0.0;  // s
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  std::size_t programs = 0;
-  double kernel_work_left = 0.0;
   bool complete = true;
   /// Whether work that is wanted may be done, where its number allows it.
   bool more(bool number) {
@@ -64,10 +67,9 @@ class MotionBound {
   MotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool thorough)
       : path_(path),
         machine_(machine),
-        work_{.time_limit = time_limit, .kernel_work_left = thorough ? kernel_work_max : 0.1 * kernel_work_max},
+        work_{.effort = thorough ? of_seconds : of_a_second, .time_limit = time_limit},
         slack_(spline_slack(machine, sample_period)),
-        swing_times_(machine, path.dimensions()),
-        weight_work_(thorough ? weight_work_max : 0.1 * weight_work_max) {
+        swing_times_(machine, path.dimensions()) {
     slack_.wider += path.narrowed;
     make_tube();
   }
@@ -178,10 +180,15 @@ class MotionBound {
     }
     best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, &swing_times_));
     const auto time_left = [this] { return work_.more(true); };
-    best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.kernel_work_left, time_left));
+    best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.effort.kernels, time_left));
     std::vector<WeightLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
-    return rounding * std::max(best, weight_bound(legs, machine_, path_.dimensions(), best, weight_work_, time_left));
+    // What a section leaves of its share, the next ones have.
+    double share = work_.effort.weights * static_cast<double>(last - first + 1) / static_cast<double>(path_.blocks() - first);
+    work_.effort.weights -= share;
+    best = std::max(best, weight_bound(legs, machine_, path_.dimensions(), best, share, time_left));
+    work_.effort.weights += share;
+    return rounding * best;
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.
@@ -215,7 +222,12 @@ class MotionBound {
   static double window_of(const Leg& leg, int cell) {
     return cell == none ? 0.0 : leg.reach * std::pow(cell_ratio, -cell) * (1.0 - 1e-12);
   }
-  bool more() { return work_.more(work_.programs < programs_max); }
+  /// Whether that many linear programs may be solved.
+  bool more(std::size_t programs) {
+    const bool left = work_.more(work_.effort.programs >= programs);
+    if (left) work_.effort.programs -= programs;
+    return left;
+  }
 
   static void append(const TubeLeg& leg, double reach, int cell, Key& key) {
     for (const double value : leg.direction) key.push_back(std::llround(value * 1e9));
@@ -231,8 +243,7 @@ class MotionBound {
     Key key;
     append(leg.tube, leg.reach, cell, key);
     const auto [entry, is_new] = rests_.try_emplace(std::move(key), 0.0);
-    if (is_new && more()) {
-      ++work_.programs;
+    if (is_new && more(1)) {
       entry->second = rest_loss(leg.tube, window_of(leg, cell), machine_, path_.dimensions()).both;
     }
     return entry->second;
@@ -247,8 +258,7 @@ class MotionBound {
     key.push_back(std::llround(in.tolerance * 1e12));
     const auto known = corners_.find(key);
     if (known != corners_.end()) return known->second;
-    if (more()) {
-      work_.programs += 3;
+    if (more(3)) {
       window.before = window_of(in, cell_in);
       window.after = window_of(out, cell_out);
     }
@@ -264,7 +274,6 @@ class MotionBound {
   std::vector<Leg> legs_;       // of the section
   std::map<Key, double> rests_;
   std::map<Key, TubeLoss> corners_;
-  const double weight_work_;
 };
 
 }  // namespace

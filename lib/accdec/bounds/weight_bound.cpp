@@ -33,9 +33,11 @@ SectionLeg joined(const std::vector<SectionLeg>& legs, std::size_t first, std::s
 /// Leaves joints out until every leg is so many times as long as the tolerances at its ends; none if that fails.
 std::vector<SectionLeg> long_legs(const std::vector<SectionLeg>& legs) {
   constexpr double times = 4.0;
+  std::vector<AxisVector> joints(1);
+  for (const SectionLeg& leg : legs) joints.push_back(combined(1.0, joints.back(), 1.0, leg.way));
   const auto is_long = [&](std::size_t first, std::size_t end) {
-    const SectionLeg whole = joined(legs, first, end);
-    return norm(whole.way) >= times * ((first > 0 ? legs[first - 1].tolerance : 0.0) + whole.tolerance);
+    const double tolerances = (first > 0 ? legs[first - 1].tolerance : 0.0) + legs[end - 1].tolerance;
+    return norm(combined(1.0, joints[end], -1.0, joints[first])) >= times * tolerances;
   };
   std::vector<std::size_t> begins{0};
   for (std::size_t end = 1; end < legs.size(); ++end) {
@@ -76,7 +78,7 @@ void guess_times(WeightedSection& section, double known) {
 }  // namespace
 
 double weight_bound(const std::vector<WeightLeg>& legs, const Machine& machine, std::size_t dimensions, double known,
-                    double work, const std::function<bool()>& more) {
+                    double& work_left, const std::function<bool()>& more) {
   WeightedSection section;
   std::vector<std::size_t> moved;
   for (std::size_t a = 0; a < dimensions; ++a) {
@@ -99,7 +101,7 @@ double weight_bound(const std::vector<WeightLeg>& legs, const Machine& machine, 
   section.legs = long_legs(section.legs);
   if (section.legs.empty()) return 0.0;
   guess_times(section, known);
-  return largest_weighted_time(section, work, more);
+  return largest_weighted_time(section, work_left, more);
 }
 
 }  // namespace accdec

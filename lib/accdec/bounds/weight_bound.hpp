@@ -18,8 +18,8 @@ struct WeightLeg {
 /// A time that no motion over legs undercuts from rest to rest, s; 0 if none is found. All corners are seen together,
 /// so it is close to what the fastest motion takes (weighted_time, largest_weighted_time). Joints are left out where
 /// legs are hardly longer than tolerances: legs around them become one, with a wider tube.
-/// @param known  s, a bound or a time that helps to guess  @param work  products that may be spent, some 0.5 ns each
+/// @param known  s, a bound or a time that helps to guess  @param work_left  see largest_weighted_time
 double weight_bound(const std::vector<WeightLeg>& legs, const Machine& machine, std::size_t dimensions, double known,
-                    double work, const std::function<bool()>& more);
+                    double& work_left, const std::function<bool()>& more);
 
 }  // namespace accdec

@@ -11,6 +11,8 @@ namespace accdec {
 namespace {
 
 constexpr int steps_max = 60;
+constexpr double steps_usual = 30.0;
+constexpr double work_of_a_weight = 500.0;  // in a step, beside the linear system's
 constexpr double side_pieces_max = 10.0;  // of a leg, on either side
 // With a jerk limit, half as long pieces raise the bound of short programs; on long ones that search ends too early.
 constexpr std::size_t fine_legs_max = 150;
@@ -93,7 +95,10 @@ class WeightSearch {
       }
     }
   }
-  double work() const { return system_.work(); }
+  /// Products of a search.
+  double work() const {
+    return steps_usual * (system_.work() + work_of_a_weight * static_cast<double>(w_.value.size()));
+  }
 
   double largest(const std::function<bool()>& more) {
     double best = 0.0, smooth = roughest;
@@ -321,11 +326,16 @@ class WeightSearch {
 
 }  // namespace
 
-double largest_weighted_time(const WeightedSection& section, double work, const std::function<bool()>& more) {
+double largest_weighted_time(const WeightedSection& section, double& work_left, const std::function<bool()>& more) {
+  const double legs = static_cast<double>(section.legs.size()), axes = static_cast<double>(section.axes.size());
   for (const double coarse : {0.5, 1.0, 1.5, 2.5, 5.0, 20.0}) {
     if (coarse < 1.0 && (!section.jerk() || section.legs.size() > fine_legs_max)) continue;
+    // Every leg has two pieces or more, each with a K and a p for every axis.
+    if (steps_usual * work_of_a_weight * 4.0 * axes * legs > work_left) break;
     WeightSearch search(section, {section.axes.size(), section.jerk(), shares_of(section, coarse)});
-    if (30.0 * search.work() <= work) return search.largest(more);
+    if (search.work() > work_left) continue;
+    work_left -= search.work();
+    return search.largest(more);
   }
   return 0.0;
 }
