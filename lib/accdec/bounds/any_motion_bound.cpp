@@ -20,11 +20,11 @@ namespace {
 
 /// What may be spent.
 struct Effort {
-  std::size_t programs;  // linear ones, some 5 ms each
-  double kernels;        // steps, some 3 ns each
-  double weights;        // products, some 1 ns each
+  double kernels;              // steps, some 3 ns each
+  double weights;              // products, some 1 ns each
+  std::size_t programs = 600;  // linear ones, some 5 ms each
 };
-constexpr Effort of_seconds{600, 2.5e8, 2e10}, of_a_second{200, 2.5e7, 3e8};
+constexpr Effort of_seconds{2.5e8, 2e10}, of_a_second{2.5e7, 3e8};
 constexpr double cell_ratio = 1.05;  // of one length of windows to the next
 constexpr int widenings_max = 24;
 
