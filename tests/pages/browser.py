@@ -1,6 +1,7 @@
 """A headless Chromium driven through its debugging pipe, with the standard library alone."""
 import json
 import os
+import signal
 import subprocess
 
 
@@ -18,7 +19,7 @@ class Browser:
         self.process = subprocess.Popen(
             [program, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
              "--disable-background-networking", f"--user-data-dir={profile}", "--remote-debugging-pipe", "about:blank"],
-            preexec_fn=place, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            preexec_fn=place, close_fds=False, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(commands)
         os.close(answers)
         self.number, self.buffer, self.events = 0, b"", []
@@ -102,5 +103,10 @@ class Browser:
         return found
 
     def close(self):
-        self.process.kill()
-        self.process.wait()
+        """Ends it with all its processes. One that is left would still write to the folder that is deleted next."""
+        try:
+            self.call("Browser.close")
+            self.process.wait(10)
+        except (OSError, RuntimeError, subprocess.TimeoutExpired):
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
