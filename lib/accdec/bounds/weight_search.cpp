@@ -84,11 +84,16 @@ std::vector<std::size_t> envelope(const MotionWeights& w) {
 class WeightSearch {
  public:
   WeightSearch(const WeightedSection& section, MotionWeights weights)
-      : section_(section), w_(std::move(weights)), system_(envelope(w_)), slope_(w_.value.size()) {
+      : section_(section),
+        w_(std::move(weights)),
+        system_(envelope(w_)),
+        slope_(w_.value.size()),
+        is_time_(w_.value.size()) {
     double speed2 = 0.0;
     for (const auto& axis : section.axes) speed2 += axis.velocity * axis.velocity;
     for (std::size_t leg = 0; leg < w_.legs(); ++leg) {
       time(leg) = section.legs[leg].guess;
+      is_time_[w_.time(leg)] = true;
       const double speed2_most = std::min(speed2, std::pow(section.feed(leg), 2));
       for (std::size_t k = 0; k < w_.pieces(leg); ++k) {
         for (std::size_t a = 0; a < w_.axes(); ++a) w_.value[w_.p(leg, k) + a] = section.legs[leg].way[a] / speed2_most;
@@ -129,12 +134,8 @@ class WeightSearch {
     }
     std::vector<double> change(slope_.size());
     for (std::size_t i = 0; i < change.size(); ++i) change[i] = -slope_[i];
-    std::size_t next = 0;
     for (std::size_t i = 0; i < change.size(); ++i) {
-      if (next < w_.legs() && i == w_.time(next))
-        ++next;
-      else
-        system_.add(i, i, 1e-12 * system_.diagonal(i) - 1e-30);
+      if (!is_time_[i]) system_.add(i, i, 1e-12 * system_.diagonal(i) - 1e-30);
     }
     system_.solve(change);
     double step = 1.0;
@@ -146,12 +147,7 @@ class WeightSearch {
       moved = most * time(leg);
     }
     const double weights = std::max(step, least_step);
-    next = 0;
-    for (std::size_t i = 0; i < change.size(); ++i) {
-      const bool is_time = next < w_.legs() && i == w_.time(next);
-      if (is_time) ++next;
-      w_.value[i] += (is_time ? 1.0 : weights) * change[i];
-    }
+    for (std::size_t i = 0; i < change.size(); ++i) w_.value[i] += (is_time_[i] ? 1.0 : weights) * change[i];
     return step;
   }
 
@@ -320,6 +316,7 @@ class WeightSearch {
   MotionWeights w_;
   EnvelopeSystem system_;
   std::vector<double> slope_;
+  std::vector<bool> is_time_;
   double smooth_ = 0.0;
   double ways_ = 0.0;  // of a leg, times its time
 };
