@@ -31,8 +31,8 @@ std::vector<json> records(const std::string& raw, const std::string& kind) {
 }
 
 // At 29 mm/s no filter stays within the tolerance of 40 um. How far off the best one is, is a problem with an answer.
-// Without a delay the slowest sample of a turn by 85 degrees from 41.67 to 41.67 mm/s runs at 41.67 cos(42.5 deg) =
-// 30.7 mm/s or more, so 29 mm/s can be held and 31 mm/s cannot by any filter.
+// The corner turns by 85 degrees at 41.67 mm/s. Without a delay no sample is slower than 41.67 cos(42.5 deg) = 30.7 mm/s.
+// So 29 mm/s can be held, and no filter holds 31 mm/s.
 TEST_F(Instances, ASmallestSpeedBeyondTheToleranceIsWritten) {
   testing::write(home_ / "slow.toml", std::string(task_text) + "speed_min_mm_s = 29\n");
   testing::write(home_ / "suite.toml",

@@ -25,7 +25,7 @@ struct Effort {
   double weights;        // products, some 1 ns each
 };
 constexpr Effort of_seconds{600, 2.5e8, 2e10}, of_a_second{200, 2.5e7, 3e8};
-constexpr double cell_ratio = 1.05;        // of one length of windows to the next
+constexpr double cell_ratio = 1.05;  // of one length of windows to the next
 constexpr int widenings_max = 24;
 
 /// Blocks that go straight on at one feed.
@@ -183,8 +183,10 @@ class MotionBound {
     best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.effort.kernels, time_left));
     std::vector<WeightLeg> legs;
     for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
-    // What a section leaves of its share, the next ones have.
-    double share = work_.effort.weights * static_cast<double>(last - first + 1) / static_cast<double>(path_.blocks() - first);
+    // The next sections have what this one leaves of its share.
+    const auto blocks = static_cast<double>(last - first + 1),
+               blocks_left = static_cast<double>(path_.blocks() - first);
+    double share = work_.effort.weights * blocks / blocks_left;
     work_.effort.weights -= share;
     best = std::max(best, weight_bound(legs, machine_, path_.dimensions(), best, share, time_left));
     work_.effort.weights += share;

@@ -13,7 +13,7 @@ namespace {
 constexpr int steps_max = 60;
 constexpr double steps_usual = 30.0;
 constexpr double work_of_a_weight = 500.0;  // in a step, beside the linear system's
-constexpr double side_pieces_max = 10.0;  // of a leg, on either side
+constexpr double side_pieces_max = 10.0;    // of a leg, on either side
 // With a jerk limit, half as long pieces raise the bound of short programs; on long ones that search ends too early.
 constexpr std::size_t fine_legs_max = 150;
 constexpr double least_step = 0.5;
