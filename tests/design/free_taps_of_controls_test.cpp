@@ -21,6 +21,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 /// The corner of corner/acceleration-jerk.toml.
 Task everyday_corner(const std::string& more) {
@@ -182,6 +183,38 @@ TEST(FreeTapsOfControls, CornerFeedsAreProved) {
     forged.task.settings->delays.push_back(DelayKind::dwell);
     EXPECT_THAT(check_certificate(forged.task, forged).reason, HasSubstr("beside other delays"));
   }
+}
+
+/// The acceleration needs 17 taps, which leave an error without a delay. At a twentieth of the feed they leave a
+/// twentieth of it. The proof leaves out what other corners limit, here also a smallest speed.
+TEST(FreeTapsOfControls, NameTheLimitThatTheirDelaysCannotHold) {
+  for (const double speed : {0.0, 0.01}) {
+    Task task = two_corners("[controller]\ndelays = \"continuous\"\n", 500.0, 1.0);
+    task.corners[0].speed_min = speed;
+    const DesignResult runs_on = design_task(task);
+    EXPECT_EQ(runs_on.status, Status::infeasible);
+    EXPECT_THAT(runs_on.message, HasSubstr("corner error B"));
+    EXPECT_THAT(runs_on.message, Not(HasSubstr("corner error A")));
+    EXPECT_THAT(runs_on.message, HasSubstr("the control has no delays at corners"));
+    EXPECT_THAT(verify_result(parse_result(result_to_json(runs_on), "result")).reasons, IsEmpty());
+  }
+  DesignOptions options;
+  options.time_limit = 5.0;
+  const std::string kinds = "[design]\norder_max = 40\n[controller]\ndelays = [\"continuous\", \"corner-feed\"]\n";
+  const DesignResult slows = design_task(two_corners(kinds, 500.0, 0.01), options);
+  EXPECT_FALSE(slows.has_design());
+  EXPECT_THAT(slows.message, HasSubstr("; with no delays alone: no filter of order"));
+  EXPECT_THAT(slows.message, HasSubstr("; even at the slowest corner feed, 0.05 of the programmed one, no filter"));
+  EXPECT_THAT(slows.message, HasSubstr("corner error B"));
+}
+
+/// A stop of 3 samples takes a filter of 3 at most, and the acceleration needs 17 taps.
+TEST(FreeTapsOfControls, SayWhichFiltersGivenStopsNeed) {
+  Task task = two_corners("[controller]\ndelays = \"exact-stop\"\n", 500.0, 500.0);
+  task.corners[0].delay = 3;
+  const DesignResult result = design_task(task);
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("exact stops of the given delays need filters of order 1 to 3"));
 }
 
 /// Averages where they are as good as free taps: 17 taps for an acceleration of 6 m/s^2. Else the taps.

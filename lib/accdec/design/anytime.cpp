@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,7 @@
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/task/conflict.hpp>
 #include <accdec/task/convexity.hpp>
 #include <accdec/task/equal_corners.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -303,13 +305,24 @@ class Anytime {
   std::string local_message_;
 };
 
+/// Whether a given delay leaves too large a corner error. A longer filter seldom helps there, as it makes the error
+/// larger; to look for one would take up to 20 s.
+bool error_of_given_delay(const DesignResult& result) {
+  const auto* proof =
+      result.certificate == nullptr ? nullptr : std::get_if<proof::BranchAndBound>(&result.certificate->proof);
+  const auto conflicts = [&](std::string_view name) {
+    return std::ranges::any_of(proof->conflict, [&](const std::string& limit) { return limit.starts_with(name); });
+  };
+  return proof != nullptr && conflicts(delay_in_conflict) && conflicts(error_in_conflict);
+}
+
 DesignResult design_as_it_is(const Task& task, const DesignOptions& options) {
   Anytime anytime(task, options);
   try {
     const int most = task.design.order_max;
     exact::require_room(task, std::min(most, std::max(task.design.order_min, order_lower_bound(task, most))));
     DesignResult result = exact_covers(task) ? anytime.run() : anytime.run_in_part();
-    if (result.status == Status::infeasible)
+    if (result.status == Status::infeasible && !error_of_given_delay(result))
       result.message += larger_order_note(task, std::min(20.0, anytime.left()), options.cancel);
     return result;
   } catch (const exact::TooLarge& reason) {

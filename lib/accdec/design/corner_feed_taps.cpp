@@ -2,15 +2,21 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include <accdec/design/corner_feed_taps.hpp>
+#include <accdec/exact/minimal_conflict.hpp>
+#include <accdec/exact/one_tolerance.hpp>
 #include <accdec/exact/search.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/task/conflict.hpp>
 #include <accdec/task/corner_feed.hpp>
 #include <accdec/task/equal_corners.hpp>
 #include <accdec/task/objective.hpp>
@@ -60,6 +66,7 @@ class CornerFeedSearch {
   }
 
   std::optional<CornerFeedBound> run() {
+    if (std::string why = none_at_slowest(); !why.empty()) return CornerFeedBound{unlimited, nullptr, std::move(why)};
     if (!find_order(slowest())) return std::nullopt;
     for (std::size_t j = 0; j < task_.corners.size(); ++j) find_fastest(j);
     for (;;) {
@@ -82,6 +89,16 @@ class CornerFeedSearch {
   };
 
   std::vector<int> slowest() const { return std::vector<int>(task_.corners.size(), allowed_.front()); }
+  /// The limits that no filter holds together even at the slowest feeds; empty if that is not known.
+  std::string none_at_slowest() const {
+    if (best_ < unlimited || allowed_.front() == 0) return "";
+    auto refuted = exact::refute_one_tolerance(at(slowest()), late_, late_);
+    if (!refuted) return "";
+    exact::Conflict conflict{std::move(refuted->conflict), !late_()};
+    std::erase_if(conflict.limits, [](const std::string& limit) { return limit.starts_with(delay_in_conflict); });
+    return fmt::format("even at the slowest corner feed, {:g} of the programmed one, {}", part(allowed_.front()),
+                       exact::to_message(conflict, task_));
+  }
   /// Orders above it cost more than the best design, whatever the ways.
   int most_useful() const {
     return static_cast<int>(std::clamp(best_ / cost_.filter - 1.0, 0.0, static_cast<double>(task_.design.order_max)));
@@ -198,7 +215,7 @@ class CornerFeedSearch {
     proof::CornerFeeds proof;
     proof.bound_samples = bound;
     for (Part& part : parts_) proof.parts.push_back(std::move(part.is));
-    return {bound, std::make_shared<Certificate>(Certificate{std::move(proof)})};
+    return {bound, std::make_shared<Certificate>(Certificate{std::move(proof)}), ""};
   }
 
   const Task& task_;

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include <accdec/certificate.hpp>
 #include <accdec/design.hpp>
@@ -11,10 +12,11 @@
 
 namespace accdec {
 
-/// A lower bound on all designs, and its proof.
+/// A lower bound on all designs, and its proof. Or why there are none, without a certificate.
 struct CornerFeedBound {
   double samples = 0.0;  ///< of the task's objective
   std::shared_ptr<const Certificate> certificate;
+  std::string none{};
 };
 
 /// For controls that pass corners at parts of the feed, at feed and by exact stops alone. All limits must be in

@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/corner_feed_taps.hpp>
@@ -64,13 +68,26 @@ DesignResult stop_before_a_response(const Task& task, int order, bool shortest, 
     if (result.has_design() && result.filter->order() == order) return result;
     shortest = result.status == Status::optimal || result.status == Status::infeasible;
   }
-  DesignResult found;
-  found.status = Status::failed, found.message = "no filter was found that holds all limits with exact stops";
-  const int most = task.design.order_max;
-  for (int delay = order; delay <= most + 2 && !found.has_design() && given.left() > 1e-3; ++delay) {
-    const int least = std::max({task.design.order_min, order, delay - 2});
-    DesignResult result = given.design(delay, 0.5 * given.left(), least, std::min(delay, most));
-    if (result.has_design()) found = std::move(result);
+  const int most = task.design.order_max, last = most + exact_stop_more;
+  const auto stop_of = [&](int delay) {
+    const int least = std::max({task.design.order_min, order, delay - exact_stop_more});
+    return given.design(delay, 0.5 * given.left(), least, std::min(delay, most));
+  };
+  // Longer and longer stops, and then those before the first that holds.
+  DesignResult found = stop_of(order);
+  const std::string why = found.message;
+  int held = order, broken = order;
+  while (!found.has_design() && held < last && given.left() > 1e-3) {
+    broken = held, held = std::min(last, std::max(held + 1, held * 5 / 4));
+    found = stop_of(held);
+  }
+  for (int delay = broken + 1; delay < held && given.left() > 1e-3; ++delay) {
+    if (!found.has_design()) break;
+    if (DesignResult shorter = stop_of(delay); shorter.has_design()) held = delay, found = std::move(shorter);
+  }
+  if (!found.has_design()) {
+    found.status = Status::failed;
+    found.message = "no filter was found that holds all limits with exact stops; with the shortest, " + why;
   }
   found.task = task;
   found.lower_bound.reset(), found.gap.reset(), found.certificate.reset();
@@ -89,6 +106,8 @@ DesignResult stop_before_a_response(const Task& task, int order, bool shortest, 
   return found;
 }
 
+constexpr const char* no_given_stops = "no filter of the orders asked for has exact stops of the given delays";
+
 /// Keeps the orders of filters whose exact stops have the given delays; false if there are none. An exact stop starts
 /// leg 2 when the filter has ended, or a little later.
 bool keep_given_stops(Task& task) {
@@ -106,8 +125,7 @@ bool keep_given_stops(Task& task) {
 /// behind which the legs are apart, and the proof with its own one says so.
 DesignResult design_for_one_kind(const Task& asked, bool stops, const DesignOptions& options) {
   Task task = asked;
-  if (stops && !keep_given_stops(task))
-    throw std::invalid_argument("delay_samples: no filter of the orders asked for has exact stops of the given delays");
+  if (stops && !keep_given_stops(task)) throw std::invalid_argument(fmt::format("delay_samples: {}", no_given_stops));
   GivenDelays given(task, options);
   DesignResult result =
       stops ? given.design(task.design.order_max, 0.5 * options.time_limit) : given.design(0, options.time_limit);
@@ -117,6 +135,12 @@ DesignResult design_for_one_kind(const Task& asked, bool stops, const DesignOpti
                  ? given.design(order, given.left())
                  : stop_before_a_response(task, order, result.status == Status::optimal, given);
   }
+  if (!stops && asked.settings && result.status == Status::infeasible)
+    result.message += "; the control has no delays at corners";
+  const auto is_given = [](const TaskCorner& corner) { return corner.delay.has_value(); };
+  if (stops && std::ranges::any_of(task.corners, is_given) && result.status == Status::infeasible)
+    result.message += fmt::format("; exact stops of the given delays need filters of order {} to {}",
+                                  task.design.order_min, task.design.order_max);
   result.task.design = task.design;
   result.task.settings = task.settings;
   return result;
@@ -174,15 +198,18 @@ bool keep_cheaper(const DesignResult& best, double delays, double of_order, Task
 }
 
 /// The filter that is best if the control only runs on, or only stops.
-void offer_one_kind(const Task& any, bool stops, const DesignOptions& options, Cheapest& cheapest) {
+/// @return why there is none; empty if that is not known
+std::string offer_one_kind(const Task& any, bool stops, const DesignOptions& options, Cheapest& cheapest) {
   Task task = any;
-  if (stops && !keep_given_stops(task)) return;
+  if (stops && !keep_given_stops(task)) return no_given_stops;
   const LinearCost cost = cost_of(task);
   double stopping = 0.0;  // samples that each order costs at the corners
   for (std::size_t j = 0; stops && j < task.corners.size(); ++j)
     stopping += task.corners[j].delay ? 0.0 : cost.delay[j];
-  if (keep_cheaper(cheapest.best(), cost.given_delays(task), stopping, task))
-    cheapest.offer_taps(design_for_one_kind(task, stops, options));
+  if (!keep_cheaper(cheapest.best(), cost.given_delays(task), stopping, task)) return "";
+  const DesignResult found = design_for_one_kind(task, stops, options);
+  cheapest.offer_taps(found);
+  return found.has_design() ? "" : fmt::format("with {} alone: {}", stops ? "exact stops" : "no delays", found.message);
 }
 
 /// Whether the exact method knows the delays: several corners of one in-position width. A single corner may have any.
@@ -268,10 +295,11 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   cheapest.offer_taps(taps);
   const bool met = cheapest.best().has_design() && taps.lower_bound &&
                    cheapest.best().objective() <= *taps.lower_bound * (1.0 + 1e-9);
+  std::vector<std::string> reasons;
   if (!met && !one_kind && !control.any_delay()) {
     within.time_limit = std::min(0.2 * left(), candidate_seconds);
-    if (runs_on) offer_one_kind(any, false, within, cheapest);
-    if (stops) offer_one_kind(any, true, within, cheapest);
+    if (runs_on) reasons.push_back(offer_one_kind(any, false, within, cheapest));
+    if (stops) reasons.push_back(offer_one_kind(any, true, within, cheapest));
     if (control.names(DelayKind::in_position)) offer_for_delays(any, within, cheapest);
   }
   DesignResult proof = taps;
@@ -302,10 +330,14 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   result.solver.wall_time = seconds_since(began);
   if (!result.has_design()) {
     result.status = Status::failed;
-    result.message = "no filter was found that holds all limits with delays of these kinds";
+    if (slow) reasons.push_back(slow->none);
+    std::erase(reasons, "");
+    reasons.insert(reasons.begin(), "no filter was found that holds all limits with delays of these kinds");
+    result.message = fmt::format("{}", fmt::join(reasons, "; "));
     return result;
   }
-  if (slow) proof.lower_bound = slow->samples * task.sample_period, proof.certificate = slow->certificate;
+  if (slow && slow->certificate)
+    proof.lower_bound = slow->samples * task.sample_period, proof.certificate = slow->certificate;
   if ((slow || !slows) && proof.lower_bound && proof.certificate) {
     result.lower_bound = proof.lower_bound, result.certificate = proof.certificate;
     judge_gap(result);

@@ -37,7 +37,8 @@ DesignResult ExactRun::conclude() {
   result.task = task_;
   if (done_.infeasible) {
     result.status = Status::infeasible;
-    const exact::Conflict conflict = exact::find_conflict(task_, [this] { return stopped(); });
+    exact::Conflict conflict{search_.proof.conflict, !stopped()};
+    if (conflict.limits.empty()) conflict = exact::find_conflict(task_, [this] { return stopped(); });
     result.message = exact::to_message(conflict, task_);
     search_.proof.conflict = conflict.limits;
   } else if (bench_.designs.best) {

@@ -6,6 +6,7 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/exact/exact_run.hpp>
+#include <accdec/exact/one_tolerance.hpp>
 #include <accdec/exact/quick_bound.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/files.hpp>
@@ -91,6 +92,15 @@ void ExactRun::first_designs() {
   }
   targets_.begin(least_);
   if (stopped()) least_ = -1;  // once more when there is time
+  if (stopped() || bench_.designs.best) return;
+  // With many corners or long filters, a tolerance that can be held takes long.
+  const Deadline enough(until_.left() / 2.0);
+  const auto stop = [this] { return stopped(); };
+  const auto late = [&] { return stop() || enough.over(); };
+  if (auto proof = exact::refute_one_tolerance(task_, late, stop)) {
+    search_.proof = std::move(*proof);
+    take(Answer::proved, unlimited);
+  }
 }
 
 /// With many corners the linear program of each order is large: this step takes at most a tenth of the time.
@@ -111,7 +121,7 @@ DesignResult ExactRun::go_on(const ExactOptions& options) {
     if (bench_.designs.best) targets_.found(bench_.designs.best->value);
     if (kind_.jointly && bench_.designs.best) {
       together();
-    } else {
+    } else if (!done_.infeasible) {
       if (!kind_.several) at_once();
       by_targets();
     }

@@ -17,14 +17,16 @@ bool single(const LimitModel& model, const Box& box) {
   return true;
 }
 
+/// Delays of corners without a tolerance are split last: only limits of the blend depend on them.
 proof::Node widest_split(const LimitModel& model, const Box& box) {
   proof::Split split;
-  int widest = -1;
+  double widest = 0.0;
   for (std::size_t j = 0; j < box.corners.size(); ++j) {
     const CornerBox& b = box.corners[j];
-    if (2 * (b.d2 - b.d1) > widest && b.d1 < b.d2)
-      widest = 2 * (b.d2 - b.d1), split.corner = static_cast<int>(j), split.on_delay = true;
-    if (model.cone(j) && b.k2 - b.k1 > widest && b.k1 < b.k2)
+    const bool tolerance = model.cone(j) || model.contour(j);
+    const double delays = tolerance ? 2.0 * (b.d2 - b.d1) : 1e-9 * (b.d2 - b.d1);
+    if (delays > widest) widest = delays, split.corner = static_cast<int>(j), split.on_delay = true;
+    if (model.cone(j) && b.k2 - b.k1 > widest)
       widest = b.k2 - b.k1, split.corner = static_cast<int>(j), split.on_delay = false;
   }
   const CornerBox& b = box.corners[static_cast<std::size_t>(split.corner)];

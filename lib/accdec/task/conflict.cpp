@@ -40,13 +40,14 @@ std::vector<Limit> limits_of(const Task& task, bool each_axis) {
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     const TaskCorner& corner = task.corners[j];
     if (corner.error_max)
-      limits.push_back({"corner error " + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
+      limits.push_back(
+          {std::string(error_in_conflict) + corner.name, [j](Task& t) { t.corners[j].error_max.reset(); }});
     if (corner.contour_max)
       limits.push_back({"contour " + corner.name, [j](Task& t) { t.corners[j].contour_max.reset(); }});
     if (corner.speed_min > 0.0)
       limits.push_back({"smallest speed " + corner.name, [j](Task& t) { t.corners[j].speed_min = 0.0; }});
     if (corner.delay)
-      limits.push_back({"delay of corner " + corner.name, [j](Task& t) { t.corners[j].delay.reset(); }});
+      limits.push_back({std::string(delay_in_conflict) + corner.name, [j](Task& t) { t.corners[j].delay.reset(); }});
   }
   for (std::size_t i = 0; i < task.machine.modes.size(); ++i) {
     const Mode& mode = task.machine.modes[i];
