@@ -1,3 +1,5 @@
+#include <cstdio>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -222,6 +224,22 @@ TEST(DesignBehindAServo, NonlinearSolversDesignBehindIt) {
     EXPECT_GE(local.objective(), *best.lower_bound - 1e-9);
     EXPECT_LE(local.objective(), best.objective() + 3e-3);
   }
+}
+
+/// Without a servo, 150 N take 30 kg with this friction to 0.1 m/s in ln(15 / 14) 0.3 s = 20.7 ms. The command may end
+/// when the servo asks for no more force: Kv m (v - v') + c v' = F at v' = 0.0763 m/s. That takes 15.7 ms, order 15.
+/// The search begins near it, not at the first order.
+TEST(DesignBehindAServo, NonlinearSolversBeginNearTheSmallestOrder) {
+  std::vector<int> orders;
+  DesignOptions options;
+  options.method = Method::nlp, options.time_limit = 60.0;
+  options.progress = [&](const std::string& line) {
+    if (int order = 0; std::sscanf(line.c_str(), "N = %d: ", &order) == 1) orders.push_back(order);
+  };
+  const DesignResult result = design_task(with_gain(of_forces(150.0), 200.0), options);
+  EXPECT_TRUE(verify_result(result, {}).accepted);
+  EXPECT_EQ(result.filter->order(), 15);
+  EXPECT_THAT(orders, ::testing::Each(::testing::AllOf(::testing::Ge(13), ::testing::Le(20))));
 }
 
 /// Blends of a mode of an axis are rows at given delays: as fast as the proved optimum but for a few samples.

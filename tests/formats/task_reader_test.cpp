@@ -11,6 +11,7 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/task.hpp>
+#include <accdec/task/contradictions.hpp>
 
 #include "support/malformed_loads.hpp"
 #include "support/malformed_tasks.hpp"
@@ -227,6 +228,21 @@ void expect_same(const Task& a, const Task& b) {
     EXPECT_EQ(a.machine.axes[i].jerk_max, b.machine.axes[i].jerk_max);
     EXPECT_EQ(a.machine.axes[i].force_max, b.machine.axes[i].force_max);
   }
+}
+
+/// Dry friction of 100 N takes 10 W at 100 mm/s, whatever else the axis has. A curve may fall below it.
+TEST(TaskReader, DryFrictionAloneTakesPowerAndForce) {
+  const auto broken = [](const std::string& limit) {
+    return contradictions(
+        parse_task(fmt::format("sample_period_ms = 1\n[[axis]]\ncoulomb_N = 100\n{}\n[[corner]]\n"
+                               "direction_in = [1]\ndirection_out = [-1]\nfeed_in_mm_min = 6000\ndelay_samples = 3\n",
+                               limit),
+                   "t", {.response = Considered::all}));
+  };
+  EXPECT_THAT(broken("power_max_W = 10.1"), ::testing::IsEmpty());
+  EXPECT_THAT(broken("power_max_W = 9.9"), ::testing::SizeIs(1));
+  EXPECT_THAT(broken("force_speed_N = [[0, 200], [200, 1]]"), ::testing::IsEmpty());  // 100.5 N at 100 mm/s
+  EXPECT_THAT(broken("force_speed_N = [[0, 198], [200, 1]]"), ::testing::SizeIs(1));  // 99.5 N
 }
 
 /// An axis that no corner moves needs no force, whatever its friction.

@@ -76,6 +76,11 @@ FixedOrderDesigner::FixedOrderDesigner(const Task& task, const DesignOptions& op
   }
 }
 
+double FixedOrderDesigner::lag() const {
+  const Filter response = motion(Filter({1.0}));
+  return response.mean_delay() - response.first_nonzero_tap();
+}
+
 solvers::Result FixedOrderDesigner::solve(const nlp::Problem& problem, const std::vector<double>& start) {
   solvers::Options options = options_.nlp.options;
   options.cancel = options_.cancel;

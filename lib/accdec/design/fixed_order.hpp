@@ -56,6 +56,9 @@ class FixedOrderDesigner {
   /// Delays from which on nothing changes, because the legs no longer overlap; given delays are kept.
   std::vector<int> parting_delays(int order) const;
 
+  /// Mean delay of the response behind its first tap, samples.
+  double lag() const;
+
   bool stopped() const {
     return elapsed() > options_.time_limit || (options_.cancel != nullptr && options_.cancel->load());
   }

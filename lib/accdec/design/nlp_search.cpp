@@ -11,6 +11,7 @@
 #include <accdec/design/fixed_order.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/conflict.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -37,7 +38,7 @@ class Search {
           return true;
       }
     }
-    const int first = std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max));
+    const int first = likely_order(std::max(task_.design.order_min, order_lower_bound(task_, task_.design.order_max)));
     const int last = std::min(task_.design.order_max, 3 * first + 30);
     for (int order = first; order <= last && !at_.stopped(); order = std::max(order + 1, order + order / 3)) {
       if (at_.relaxed(order)) return true;
@@ -48,13 +49,17 @@ class Search {
   DesignResult run() {
     const int last = task_.design.order_max;
     const int first = std::max(task_.design.order_min, order_lower_bound(task_, last));
-    const int low = first > last ? first : smallest_order(first, [&](int n) { return at_.relaxed(n).has_value(); });
+    const int likely = first > last ? first : likely_order(first);
+    // Orders that do not hold take longest: a design comes first.
+    if (likely > first && at_.relaxed(likely)) integer_design(likely);
+    const auto holds = [&](int n) { return at_.relaxed(n).has_value(); };
+    const int low = first > last ? first : smallest_order(first, likely, holds);
     if (low <= last) {
       design_around(best_order(low), low);
       // If legs must part at the lowest orders, overlapping legs with a longer filter may be faster or slower.
       if (!at_.stopped() && at_.relaxed(low)->parted) {
         const int longer =
-            smallest_order(low, [&](int n) { return worth(n) && at_.relaxed(n) && !at_.relaxed(n)->parted; });
+            smallest_order(low, low, [&](int n) { return worth(n) && at_.relaxed(n) && !at_.relaxed(n)->parted; });
         if (longer <= last && worth(longer)) design_around(best_order(longer), longer);
       }
     }
@@ -103,24 +108,35 @@ class Search {
     return cost;
   }
 
+  /// About the smallest order that holds, at least `bound`. Behind a servo that bound knows no force: the motion goes
+  /// on after the command. If a mass starts at its largest force, the command may end earlier by the servo's lag.
+  int likely_order(int bound) const {
+    if (Response(task_.machine, task_.sample_period).ideal()) return bound;
+    Task ideal = task_;
+    ideal.machine.prefilter_taps.clear();
+    for (Axis& axis : ideal.machine.axes) axis.servo_gain = unlimited, axis.response_taps.clear();
+    const int last = task_.design.order_max, order = order_lower_bound(ideal, last);
+    return order > last ? bound : std::max(bound, order - static_cast<int>(at_.lag()));
+  }
+
   /// Smallest order from `first` on for which `holds` is true; order_max + 1 if there is none. Feasibility is monotone
-  /// in N, because a zero tap can be appended.
+  /// in N, because a zero tap can be appended. @param near  where to begin
   template <class Predicate>
-  int smallest_order(int first, Predicate holds) {
+  int smallest_order(int first, int near, Predicate holds) {
     const int last = task_.design.order_max;
-    int low = first, step = 1;
-    while (low <= last && !at_.stopped() && !holds(low)) {
-      if (low == last) return last + 1;
-      low = std::min(last, low + step);
-      step *= 2;
+    int bad = first - 1, good = last + 1, step = 1;
+    for (int at = near; !at_.stopped(); step *= 2) {
+      const bool enough = holds(at);
+      (enough ? good : bad) = at;
+      const int next = enough ? std::max(first, at - step) : std::min(last, at + step);
+      if (next <= bad || next >= good || next == at) break;
+      at = next;
     }
-    if (at_.stopped() || low == first) return low;
-    int bad = std::max(first, low - step / 2);
-    while (low - bad > 1 && !at_.stopped()) {
-      const int middle = bad + (low - bad) / 2;
-      (holds(middle) ? low : bad) = middle;
+    while (good - bad > 1 && !at_.stopped()) {
+      const int middle = bad + (good - bad) / 2;
+      (holds(middle) ? good : bad) = middle;
     }
-    return low;
+    return good;
   }
 
   /// Order of least relaxed cost: with larger N the delays get shorter, so the sum has one minimum.

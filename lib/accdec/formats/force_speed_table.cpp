@@ -2,7 +2,7 @@
 
 #include <accdec/files/units.hpp>
 #include <accdec/formats/force_speed_table.hpp>
-#include <accdec/machine/limits.hpp>
+#include <accdec/machine/limit_unit.hpp>
 
 namespace accdec {
 namespace {
@@ -78,9 +78,31 @@ void check_friction(const std::vector<Table>& axes, const Task& task) {
   }
 }
 
-void check_rating(const Table& table, const Axis& axis) {
-  if (table.has("force_rms_N") && axis.mass == 0.0 && axis.damping == 0.0 && axis.coulomb == 0.0)
-    table.fail_at("force_rms_N", "`force_rms_N` can never bind: the axis has no mass_kg, damping_N_s_m or coulomb_N");
+void require_load(const Table& table, const Axis& axis) {
+  if (axis.mass > 0.0 || axis.damping > 0.0) return;
+  const bool turns = is_rotary(axis.name), dry = axis.coulomb > 0.0;
+  const std::string mass = turns ? "inertia_kg_m2" : "mass_kg", damping = turns ? "damping_N_m_s" : "damping_N_s_m";
+  const std::string with_mass = mass + " or " + damping,
+                    any_load = mass + ", " + damping + " or " + (turns ? "coulomb_N_m" : "coulomb_N");
+  const auto refuse = [&](std::string_view of_linear, std::string_view why, const std::string& give) {
+    const std::string_view of_rotary = of_linear == "force_rms_N" ? "torque_rms_N_m" : "torque_max_N_m";
+    const std::string_view key = table.has(of_linear) ? of_linear : of_rotary;
+    table.fail_at(key, fmt::format("`{}` can never bind: {}; give {}", key, why, give));
+  };
+  const std::string_view nothing = "an axis without mass, damping and dry friction needs no force";
+  // Dry friction alone takes power, and breaks a force or a curve below it.
+  if (axis.force_max < unlimited && axis.coulomb < axis.force_max)
+    refuse("force_max_N", dry ? "without mass and damping the force is the dry friction, which is less" : nothing,
+           with_mass);
+  if (axis.regeneration_max < unlimited)
+    refuse("regeneration_max_W", dry ? "without mass and damping nothing is left to brake" : nothing, with_mass);
+  if (dry) return;
+  if (axis.power_max < unlimited) refuse("power_max_W", nothing, any_load);
+  if (axis.force_rms_max < unlimited) refuse("force_rms_N", nothing, any_load);
+  if (axis.force_speed_max < unlimited)
+    table.fail_at(force_speed_key, fmt::format("`force_speed_N` bounds only the speed: {}; give {}, or "
+                                               "velocity_max_mm_s in place of the curve",
+                                               nothing, any_load));
 }
 
 }  // namespace accdec

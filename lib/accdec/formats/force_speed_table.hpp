@@ -14,8 +14,8 @@ namespace accdec {
 Key force_speed_of_files();
 /// @throws InputError at the key unless speeds rise, forces fall and the curve is concave
 void read_force_speed(const toml_input::Table& table, Axis& axis);
-/// @throws InputError at force_rms_N of an axis without any load
-void check_rating(const toml_input::Table& table, const Axis& axis);
+/// @throws InputError at a limit on force or power that the loads of the axis, which are read, can never reach
+void require_load(const toml_input::Table& table, const Axis& axis);
 /// An axis that no corner moves may have any dry friction. A task without corners may move every axis.
 /// @param axes  the tables; one alone stands for all axes of the task
 /// @throws InputError at the dry friction of an axis whose drive could never move it

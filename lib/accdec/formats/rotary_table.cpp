@@ -77,10 +77,6 @@ void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::st
         fmt::format("`{}` of axis {} counts a degree as a millimetre: 1 deg/s is 1 mm/s there, and 1 N m "
                     "is {:.6g} N",
                     force_speed_key, axis.name, radians_per_metre));
-  for (const std::string_view key : {"torque_max_N_m", "torque_rms_N_m"}) {
-    if (table.has(key) && axis.mass == 0.0 && axis.damping == 0.0 && axis.coulomb == 0.0)
-      table.fail_at(key, fmt::format("`{}` can never bind; give inertia_kg_m2, damping_N_m_s or coulomb_N_m", key));
-  }
 }
 
 }  // namespace accdec

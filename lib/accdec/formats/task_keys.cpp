@@ -152,7 +152,7 @@ std::string limit_meaning(LimitKind kind) {
   switch (kind) {
     case LimitKind::jerk: return "largest jerk: change of the acceleration from sample to sample, over T";
     case LimitKind::force: return "largest force m a + c v + dry friction; needs mass or damping";
-    case LimitKind::power: return "largest motoring power F v; needs mass or damping";
+    case LimitKind::power: return "largest motoring power F v; needs mass, damping or dry friction";
     case LimitKind::regeneration: return "largest braking power -F v; needs mass or damping";
     case LimitKind::power_total: return "largest motoring power, the sum of F v over all axes at a sample";
     case LimitKind::regeneration_total: return "largest braking power, minus that sum";

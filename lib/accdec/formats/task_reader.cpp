@@ -50,21 +50,13 @@ Axis read_axis(const Table& table, std::vector<std::string>& notes) {
   axis.name = table.text("name").value_or("");
   axis.mass = table.required_number("mass_kg");
   axis.damping = table.required_number("damping_N_s_m");
-  for (const AxisLimit& limit : axis_limits) {
+  for (const AxisLimit& limit : axis_limits)
     if (limit.key != force_speed_key) axis.*limit.bound = table.number(limit.key).value_or(unlimited);
-    if (limit.load && table.has(limit.key) && axis.mass == 0.0 && axis.damping == 0.0 && !table.has("inertia_kg_m2") &&
-        !table.has("damping_N_m_s")) {
-      const char* load = is_rotary(axis.name) ? "inertia_kg_m2 or damping_N_m_s" : "mass_kg or damping_N_s_m";
-      table.fail_at(limit.key, fmt::format("`{}` can never bind: force is mass * acceleration + damping * velocity; "
-                                           "give {}",
-                                           limit.key, load));
-    }
-  }
   axis.coulomb = table.required_number("coulomb_N");
   axis.force_rms_max = table.number("force_rms_N").value_or(unlimited);
   read_rotary(table, axis, notes);
   read_force_speed(table, axis);
-  check_rating(table, axis);
+  require_load(table, axis);
   read_servo(table, axis);
   return axis;
 }
