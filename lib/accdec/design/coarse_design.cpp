@@ -92,11 +92,10 @@ std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions&
       const Filter filter = finer(*coarse.filter, times * stretch, std::max(1, average));
       if (stop() || filter.order() > task.design.order_max) break;
       if (!holds_alone(task, filter)) continue;
-      const auto delays = delays_by_formula(filter, task, unlimited, stop);
-      if (!delays) continue;
-      if (const double value = cost(filter.order(), *delays); value < least)
-        least = value, best = filter, best_delays = *delays;
-      break;  // what is stretched more is longer
+      // A filter at its limits may need long delays, where blends add its jerks up. A longer one may have shorter
+      // delays.
+      if (const auto delays = delays_by_formula(filter, task, least, stop))
+        least = cost(filter.order(), *delays), best = filter, best_delays = *delays;
     }
   }
   if (!best) return std::nullopt;
