@@ -160,6 +160,23 @@ TEST(FeedSchedule, ShortBlocksAreNotBoundByTheTimeTheirFeedWouldTakeToReach) {
   EXPECT_LT(static_cast<double>(plan.plan.simulation.samples) * period, 100.0 * block * 1.05 + 0.1);
 }
 
+TEST(FeedSchedule, CornersWaitWhereSlowingDownForTheWholeFilterTakesLonger) {
+  // A staircase of 6 mm at 50 mm/s, or v, which the filter could start from rest at a sixth of the acceleration. A
+  // corner without a delay keeps its feed for n = 50 samples, so v_c = 5.7 mm/s loses 44 samples (1 - v_c/v) n.
+  std::string text = "G64 P0.05\nG91 G1 F3000\n";
+  for (int i = 0; i < 100; ++i) text += i % 2 == 0 ? "X6\n" : "Y6\n";
+  const Machine machine = machine_within(0.2, 6.0);
+  const Toolpath path = path_of(text, machine);
+  constexpr double n = 50.0, v = 0.05, tolerance = 50e-6;
+  const ScheduledPlan plan = schedule_feeds(path, boxcar(49), period, program_machine(machine, path));
+  expect_holds(plan, boxcar(49), machine, "long filter");
+  // With a delay of d samples both legs are averaged for 2 m = n - d. The parabola between them is v T m^2/(sqrt(2) n)
+  // from the corner. One sample more is left for rounding.
+  const double m = std::sqrt(std::sqrt(2.0) * n * tolerance / (v * period)), delay = std::ceil(n - 2.0 * m) + 1.0;
+  EXPECT_LT(delay, 36.0);
+  EXPECT_LE(static_cast<double>(plan.plan.simulation.samples), 100.0 * (120.0 + delay) + n);
+}
+
 TEST(FeedSchedule, TheSearchFindsNothingSlowerThanAnyLengthOfTheGrid) {
   const Machine machine = machine_within(0.2, 1.0);
   const Toolpath path = path_of(random_program(3, 120), machine);

@@ -244,7 +244,11 @@ TEST_F(ServoCommand, IsInEveryOutput) {
           [](auto& json) { json["servo"]["settling_s"] = 0.5 * json["servo"]["settling_s"].template get<double>(); });
   refused("stops", [](auto& json) { json["servo"]["stop_error_m"] = 0.0; });
   refused("errors", [](auto& json) {
-    json["commands"]["error_m"][2] = 0.5 * json["commands"]["error_m"][2].template get<double>();
+    // Some joints have none: which ones, the plan decides.
+    auto& errors = json["commands"]["error_m"];
+    const auto largest = std::max_element(errors.begin(), errors.end());
+    ASSERT_GT(largest->template get<double>(), 0.0);
+    *largest = 0.5 * largest->template get<double>();
   });
 }
 

@@ -82,9 +82,24 @@ void LimitWatch::look_axes(const MotionBuffer& motion, std::size_t block) {
                                                             .braking = extremes.regeneration / period_});
     const bool blame = blame_ && largest > worst.bound * (1.0 + verification_tolerance);
     if (!blame && !(largest > worst.value * (1.0 + 1e-12))) continue;
-    for (Eigen::Index i = 0; i < v.size(); ++i) {
-      const double value = worst.limit->value(state_at(worst.axis, v[i], a[i], a[i] - b[i]));
-      take(worst, value, blame, motion, motion.seen_begin() + i, block, known);
+    // Most samples use less than the worst one, and less than the bound.
+    const auto least = [&] { return blame ? std::min(worst.bound, worst.value) : worst.value; };
+    const auto look_at = [&](const auto& in_samples, double per) {
+      double enough = least() * per * (1.0 - 1e-12);
+      for (Eigen::Index i = 0; i < v.size(); ++i) {
+        if (in_samples(i) < enough) continue;
+        const double value = worst.limit->value(state_at(worst.axis, v[i], a[i], a[i] - b[i]));
+        take(worst, value, blame, motion, motion.seen_begin() + i, block, known);
+        enough = least() * per * (1.0 - 1e-12);
+      }
+    };
+    switch (worst.kind) {
+      case LimitKind::velocity: look_at([&](Eigen::Index i) { return std::abs(v[i]); }, period_); break;
+      case LimitKind::acceleration: look_at([&](Eigen::Index i) { return std::abs(a[i]); }, period_ * period_); break;
+      case LimitKind::jerk:
+        look_at([&](Eigen::Index i) { return std::abs(a[i] - b[i]); }, period_ * period_ * period_);
+        break;
+      default: look_at([](Eigen::Index) { return unlimited; }, 1.0);
     }
   }
 }

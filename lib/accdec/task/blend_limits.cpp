@@ -103,17 +103,18 @@ double BlendLimits::start_factor(const double* velocity, Binding* binding) const
 
 bool BlendLimits::any_delay_holds(const double* in, const double* out, int from) const {
   if (limits_supply(machine_) || !residuals_.empty()) return false;  // not known without the samples
-  const bool merge = from == 0;                                      // without delay the steps merge
-  for (const std::size_t a : limited_) {
-    const Axis& axis = machine_.axes[a];
-    const double v1 = std::abs(in[a]), v2 = std::abs(out[a]), change = std::abs(out[a] - in[a]);
-    // The steps of both legs add where they point apart.
-    const double apart = in[a] * out[a] < 0.0 ? v1 + v2 : std::max(v1, v2);
-    const double acceleration = (merge ? change : apart) * peak_tap_ / period_;
-    const double jerk = (merge ? change : v1 + v2) * peak_step_ / (period_ * period_);
-    if (!accdec::holds(axis, peak_of(axis, std::max(v1, v2), acceleration, jerk), 1.0)) return false;
-  }
-  return true;
+  return std::ranges::all_of(limited_,
+                             [&](std::size_t a) { return surely_holds(machine_.axes[a], in[a], out[a], from); });
+}
+
+bool BlendLimits::surely_holds(const Axis& axis, double in, double out, int from) const {
+  const bool merge = from == 0;  // without delay the steps merge
+  const double v1 = std::abs(in), v2 = std::abs(out), change = std::abs(out - in);
+  // The steps of both legs add where they point apart.
+  const double apart = in * out < 0.0 ? v1 + v2 : std::max(v1, v2);
+  const double acceleration = (merge ? change : apart) * peak_tap_ / period_;
+  const double jerk = (merge ? change : v1 + v2) * peak_step_ / (period_ * period_);
+  return accdec::holds(axis, peak_of(axis, std::max(v1, v2), acceleration, jerk), 1.0);
 }
 
 namespace {
@@ -226,6 +227,7 @@ bool BlendLimits::axes_hold(const double* in, const double* out, int delay, doub
     }
   }
   for (const std::size_t a : limited_) {
+    if (slack >= 1.0 && surely_holds(machine_.axes[a], in[a], out[a], delay)) continue;
     const int broken = first_broken(machine_.axes[a], in[a], out[a], delay, last, slack, still);
     if (broken < 0) continue;
     if (hint != nullptr) *hint = broken;

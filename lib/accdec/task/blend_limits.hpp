@@ -59,6 +59,8 @@ class BlendLimits {
   /// Modes of axes: what a leg that starts or stops leaves, and what both leave together.
   bool residuals_hold(const double* in, const double* out, int delay, double slack) const;
   bool any_delay_holds(const double* in, const double* out, int from) const;
+  /// The same of one axis: true only if every delay from `from` on holds its limits.
+  bool surely_holds(const Axis& axis, double in, double out, int from) const;
 
   /// The largest velocity, acceleration, jerk and load of an axis that starts to or stops from a speed, together.
   AxisState peak_at(const Axis& axis, double speed) const;

@@ -110,10 +110,23 @@ double FeedCaps::error_in_steps(double cosine) const {
   return least;
 }
 
-double FeedCaps::ramp_time(std::size_t b, double v) const {
-  const double a = acceleration_[b];
-  const double top = std::min(feed(b), std::sqrt(v * v + a * feeds_.length[b]));
-  return top > v ? (top - v) * (top - v) / (2.0 * a * top) : 0.0;
+double FeedCaps::time_lost(std::size_t b, double v, double held) const {
+  const double a = acceleration_[b], length = feeds_.length[b];
+  const double top = std::min(feed(b), std::sqrt(v * v + a * length));
+  if (!(top > v)) return 0.0;
+  const double ramp = (top - v) * (top - v) / (2.0 * a * top);
+  return std::max(ramp, std::min(held, length / v) * (1.0 - v / top));
+}
+
+double FeedCaps::held_for(const CornerFeed& corner) const {
+  // The motion is nearest to a corner of equal feeds with half of the filter on each side, else with more on one side.
+  const double seen = corner.leaving == corner.speed ? window_.half() : motion_.order() * period_;
+  return std::max(period_, seen - 0.5 * corner.delay * period_);
+}
+
+double FeedCaps::time_lost(std::size_t b, const CornerFeed& corner) const {
+  const double held = held_for(corner);
+  return corner.delay * period_ + time_lost(b, corner.speed, held) + time_lost(b + 1, corner.leaving, held);
 }
 
 CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
@@ -134,25 +147,25 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
   const double alone = std::max(slowest * feed_max, largest(b, feed_max, true, false));
   const int apart = std::max(rest, within(alone));
   CornerFeed best{alone, alone, stops || path_.control.any() || apart <= rest + exact_stop_more ? apart : longest};
-  double least = best.delay * period_ + ramp_time(b, best.speed) + ramp_time(b + 1, best.speed);
+  double least = time_lost(b, best);
   const bool slow_only = !stops && runs_on(path_.control), stepped = !stops && feed_step_ > 0.0;
   if (slow_only) best = {slowest * feed_max, slowest * feed_max, 0}, least = unlimited;
   if (stepped) {
     const CornerFeed corner = without_delay(b, cosine, tolerance);
-    const double time = ramp_time(b, corner.speed) + ramp_time(b + 1, corner.leaving);
+    const double time = time_lost(b, corner);
     if (slow_only) return corner;
     if (time < least && passes(b, corner, cosine, tolerance)) best = corner, least = time;
   }
   if (stops || !(tolerance > 0.0)) return best;
   const double no_delay = largest(b, feed_max, false, true), overlap = largest(b, feed_max, true, true);
-  /// False if all lower speeds take longer, too: ramps grow as the speed falls.
+  /// False if all lower speeds take longer, too: without a delay, more is lost the lower the speed. A delay costs at
+  /// least what it saves.
   const auto offer = [&](double v) {
-    const double ramps = ramp_time(b, v) + ramp_time(b + 1, v);
-    if (ramps >= least) return false;
+    if (time_lost(b, {v, v, 0}) >= least) return false;
     const int delay = delay_at(v);
     if (v > (delay > 0 ? overlap : no_delay) * (1.0 + 1e-9) || (slow_only && delay > 0)) return true;
     if (stepped && delay == 0) return true;
-    const double time = delay * period_ + ramps;
+    const double time = time_lost(b, {v, v, delay});
     if (time >= least) return true;
     least = time;
     best = {v, v, delay};
@@ -313,10 +326,7 @@ std::vector<FeedPiece> FeedCaps::pieces(const std::vector<CornerFeed>& joints) c
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
     const CornerFeed& joint = joints[b];
     if (!(joint.speed < unlimited) || (joint.speed >= cap[b] && joint.leaving >= cap[b + 1])) continue;
-    // The motion is nearest to a corner of equal feeds with half of the filter on each side, else with more on one
-    // side.
-    const double seen = joint.leaving == joint.speed ? window_.half() : motion_.order() * period_;
-    const double time = std::max(period_, seen - 0.5 * joint.delay * period_);
+    const double time = held_for(joint);
     hold(b, joint.speed, joint.speed * time, false, cap, end);
     hold(b, joint.leaving, joint.leaving * time, true, cap, begin);
   }

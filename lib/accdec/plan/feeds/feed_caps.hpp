@@ -49,7 +49,12 @@ class FeedCaps {
   CornerFeed without_delay(std::size_t b, double cosine, double tolerance) const;
   /// Error of a corner without a delay over a sample's length, which is the same on both legs.
   double error_in_steps(double cosine) const;
-  double ramp_time(std::size_t b, double v) const;
+  /// s that block b loses where it is held at speed v for some time, and then ramps to its feed.
+  double time_lost(std::size_t b, double v, double held) const;
+  /// The same of both blocks of the corner at the end of block b, and its delay.
+  double time_lost(std::size_t b, const CornerFeed& corner) const;
+  /// s on each side of a corner in which its speed is held.
+  double held_for(const CornerFeed& corner) const;
   double steady_error(std::size_t b, double v) const;
   double steady_change(std::size_t b, double v) const;
   std::size_t walk(std::size_t b, double distance) const;

@@ -59,15 +59,16 @@ struct FeedSegment {
   AxisRow<axes> velocity;
 };
 
-/// How a speed uses the limits.
-struct FeedVerdict {
-  double use = 0.0;       ///< largest part of what is allowed
-  double try_next = 0.0;  ///< a lower speed that may do; 0: unknown
-  bool full = false;      ///< a higher speed would use more than is allowed
-};
-
 inline constexpr double sum_slack = 1e-6;     // relative; sums of times and lengths differ by rounding
 inline constexpr double full_change = 0.999;  // of what is allowed: no more is worth a search
+
+/// How a speed uses the limits.
+struct FeedVerdict {
+  double use = full_change;  ///< largest part of what is allowed, if more than this
+  double try_next = 0.0;     ///< a lower speed that may do; 0: unknown
+  bool full = false;         ///< a higher speed would use more than is allowed
+  double until = unlimited;  ///< s, when more is first used than allowed
+};
 
 /// Judges changes of the velocity inside one window by its limits.
 template <std::size_t axes>
@@ -82,14 +83,17 @@ class ChangeJudge {
   }
 
   /// Changes to be judged are those to this segment, until the next one is named.
-  void to(const Segment& at, double use) {
-    for (std::size_t a = 0; a < n(); ++a) allowed_[a] = change_[a] * static_cast<double>(at.margin);
-    pass(use);
+  void to(const Segment& at) {
+    const auto margin = static_cast<double>(at.margin);
+    for (std::size_t a = 0; a < n(); ++a) {
+      allowed_[a] = change_[a] * margin, jerk_allowed_[a] = jerk_change_[a] * margin;
+      passed_[a] = allowed_[a] * full_change, jerk_passed_[a] = jerk_allowed_[a] * full_change;
+    }
   }
 
   /// The change from an earlier segment to the one that was named last.
   /// @param v  speed on trial: where a segment of this speed is too fast, the verdict names a lower one
-  void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) {
+  void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) const {
     const double scale = backward_ && before.speed > at.speed ? at.speed / before.speed : 1.0;
     if (window_.supply()) supply(at, before, scale, v, verdict);
     for (std::size_t a = 0; a < n(); ++a) {
@@ -98,7 +102,6 @@ class ChangeJudge {
       const double allowed =
           window_.loads() ? window_.change(a, now, old, backward_) * static_cast<double>(at.margin) : allowed_[a];
       judge(now, now - old, allowed, at.speed, v, verdict);
-      pass(verdict.use);
     }
   }
 
@@ -110,17 +113,12 @@ class ChangeJudge {
     for (std::size_t a = 0; a < n(); ++a) {
       const double now = at.velocity[a];
       const double change = now - s1 * one.velocity[a] - s2 * two.velocity[a] + s3 * both.velocity[a];
-      judge(now, change, jerk_change_[a] * static_cast<double>(at.margin), at.speed, v, verdict);
+      if (std::abs(change) > jerk_passed_[a]) judge(now, change, jerk_allowed_[a], at.speed, v, verdict);
     }
   }
 
  private:
   std::size_t n() const { return axes > 0 ? axes : dimensions_; }
-  /// Changes up to these leave a verdict of this use as it is.
-  void pass(double use) {
-    const double part = std::min(use, full_change);
-    for (std::size_t a = 0; a < n(); ++a) passed_[a] = allowed_[a] * part;
-  }
   void supply(const Segment& at, const Segment& before, double scale, double v, FeedVerdict& verdict) const {
     AxisRow<axes> old = before.velocity;
     for (std::size_t a = 0; a < n(); ++a) old[a] *= scale;
@@ -147,7 +145,9 @@ class ChangeJudge {
   const FeedWindow& window_;
   std::size_t dimensions_;
   bool backward_;
-  AxisRow<axes> change_{}, jerk_change_{}, allowed_{}, passed_{};  // m/s, without loads
+  AxisRow<axes> change_{}, jerk_change_{};    // m/s, without loads
+  AxisRow<axes> allowed_{}, jerk_allowed_{};  // of them, to the segment named last
+  AxisRow<axes> passed_{}, jerk_passed_{};    // up to these no verdict changes
 };
 
 }  // namespace accdec

@@ -97,7 +97,7 @@ class March {
     return std::max(next, 1e-6);
   }
 
-  /// How speed v from here on uses the limits within `ahead` seconds.
+  /// How speed v from here on, or the caps where they are lower, use the limits within `ahead` seconds.
   /// @param to_the_end  else it ends where more is used than allowed
   FeedVerdict check(std::size_t i, double left, double v, double ahead, bool to_the_end) {
     FeedVerdict verdict;
@@ -110,7 +110,7 @@ class March {
     const auto follow = [&](const Segment& at) {
       const double end = at.end;
       if (looked_back_at) line_.push_back(at);
-      judge_.to(at, verdict.use);
+      judge_.to(at);
       while (t < std::min(end, horizon) - eps_time) {
         const double soon = t + eps_time;
         while (one + 1 < line_.size() && line_[one].end + window_.tau1() <= soon) ++one;
@@ -122,6 +122,10 @@ class March {
           judge_.jerk(at, line_[one], line_[two], line_[both], v, verdict);
         }
         judge_.pair(at, line_[one], v, verdict);
+        if (verdict.use > good && verdict.until == unlimited) {
+          verdict.until = t;
+          if (!to_the_end) return;
+        }
         t = next;
       }
       t = std::max(t, end);
@@ -139,22 +143,19 @@ class March {
     return verdict;
   }
 
-  /// The speed of piece i from here on. If a far look ahead at this speed was good, the near ones within it are.
+  /// The speed of piece i from here on. If a far look ahead along the caps was good, so are all caps that are passed
+  /// before its end is within reach.
   double decide(std::size_t i, double left, double cap) {
-    const bool same = std::abs(cap - sure_speed_) <= 1e-9 * cap;  // speeds differ by rounding
-    if (same && now_ + reach_ <= sure_until_) return cap;
+    if (now_ + reach_ > sure_until_ && now_ >= look_far_) {
+      const double end = now_ + 6.0 * reach_, broken = check(i, left, unlimited, end - now_, false).until;
+      sure_until_ = std::min(end, broken);
+      look_far_ = broken < end ? std::max(broken, now_ + reach_) : end - reach_;
+    }
+    if (now_ + reach_ <= sure_until_) return cap;
     const FeedVerdict verdict = check(i, left, cap, reach_, true);
-    if (verdict.use > good) {
-      sure_until_ = 0.0;
-      return lowered(i, left, cap, verdict);
-    }
-    if (now_ >= look_far_) {
-      const double far = 6.0 * reach_;
-      const bool well = check(i, left, cap, far, false).use <= good;
-      if (well) sure_speed_ = cap, sure_until_ = now_ + far;
-      look_far_ = well ? sure_until_ - reach_ : now_ + reach_;
-    }
-    return cap;
+    if (!(verdict.use > good)) return cap;
+    sure_until_ = 0.0;
+    return lowered(i, left, cap, verdict);
   }
 
   /// The smallest rise that is worth a step: of filters so short that they allow less at a time, a part of that.
@@ -204,8 +205,8 @@ class March {
   std::vector<Segment> line_;  // the command so far, from the first that still counts on
   std::size_t keep_ = 0;
   double now_ = 0.0, before_ = 0.0;
-  double sure_speed_ = 0.0, sure_until_ = 0.0;  // at this speed, where the path allows it, all is well until then
-  double look_far_ = 0.0;                       // not before this again
+  double sure_until_ = 0.0;  // along the caps all is well until then
+  double look_far_ = 0.0;    // not before this again
   std::vector<FeedPiece> out_;
 };
 

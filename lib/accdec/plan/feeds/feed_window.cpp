@@ -97,7 +97,10 @@ double FeedWindow::supply_use(std::span<const double> velocities, std::span<cons
       motoring += (inertia + friction) * v;
     } else {
       motoring += std::max(0.0, friction - inertia) * v;
-      braking += inertia * v;
+      // Friction brakes, too. The power is largest at the speed F/(2 c), where F is the force without damping c.
+      const double slower = std::min(std::abs(velocities[a]), std::abs(before[a])), left = inertia - axis.coulomb;
+      const double at = axis.damping > 0.0 ? std::clamp(left / (2.0 * axis.damping), slower, v) : v;
+      braking += std::max(0.0, left - axis.damping * at) * at;
     }
   }
   return std::max(motoring / power_total_, braking / regeneration_total_) / safe;

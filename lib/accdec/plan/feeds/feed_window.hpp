@@ -25,7 +25,7 @@ namespace accdec {
 /// of force, power and regeneration bound the first difference at the larger of the two speeds, V = max(|V(t)|, |V(t -
 /// tau1)|). While speeding up: m a + c V + F_c <= F, (m a + c V + F_c) V <= P. While braking: m a <= F,
 /// m a V <= P_regen. F is no more than a force-speed curve allows at V. The shared supply gives the sum of what the
-/// axes need that speed up or go on, and takes that of those that brake.
+/// axes need that speed up or go on, and takes that of those that brake, less what their friction takes.
 class FeedWindow {
  public:
   /// @param machine   as many axes as the path, or none: nothing is limited
