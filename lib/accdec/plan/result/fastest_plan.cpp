@@ -34,7 +34,8 @@ CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadli
   const Machine machine = program_machine(task.machine, path);
   const double left = deadline.left(), limit = left < unlimited ? std::max(0.0, 0.15 * left) : 10.0;
   CornerBound bound = program_corner_bound(path, machine, task.sample_period, limit);
-  const double for_motions = std::max(limit, std::min(3.0 * limit, 30.0));
+  // A plan needs a short time more than its bound.
+  const double for_motions = left < unlimited ? limit : 3.0 * limit;
   const AnyMotionBound any =
       any_motion_bound(path, machine, task.sample_period, thorough ? for_motions : limit, thorough);
   bound.any_motion = any.time, bound.any_motion_complete = any.complete;
