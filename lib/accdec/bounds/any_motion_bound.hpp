@@ -39,7 +39,7 @@ struct AnyMotionBound {
 /// Samples at T stand for a continuous motion, as in corner_bound. So one period (two with a jerk limit) is taken off
 /// for every section between stops, and tolerances are widened.
 /// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs
-/// @param thorough  whether weight_bound and kernel_bound may take seconds, else a tenth of that
+/// @param thorough  whether weight_bound and kernel_bound may take seconds, else a fraction of one
 AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit,
                                 bool thorough = true);
 

@@ -12,7 +12,7 @@ namespace accdec {
 /// least over the times is sought as a saddle point by Newton steps for weights and times at once. Every norm |v| is
 /// smoothed, sqrt(v^2 + r^2), less from step to step. Its second derivatives are overestimated, as if its slope stayed
 /// (E. Weiszfeld's method), but along v only half as much. Each step's weights give a bound by themselves.
-/// @param work_left  products that may be spent, some 0.5 ns each: cuts legs into as many pieces as this allows.
+/// @param work_left  products that may be spent, some 1 ns each: cuts legs into as many pieces as this allows.
 ///                   Lowered by those of the search
 /// @param more  whether there is time left
 double largest_weighted_time(const WeightedSection& section, double& work_left, const std::function<bool()>& more);
