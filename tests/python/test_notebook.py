@@ -59,3 +59,11 @@ def test_the_constructor_names_every_field():
     lists = {"axis": "axes", "corner": "corners", "mode": "modes"}
     keys = [key for key in [*schema, *schema["design"]["properties"]] if key not in ("design", "program")]
     assert {lists.get(key, key.removesuffix("_ms").removesuffix("_Hz")) for key in keys} <= set(names)
+
+
+def test_every_method_has_a_signature():
+    """inspect reads those of the compiled module from their texts."""
+    for kind in (accdec.Task, accdec.Result, accdec.Program):
+        for name in (name for name in dir(kind) if not name.startswith("_") and callable(getattr(kind, name))):
+            inspect.signature(getattr(kind, name))
+    assert list(inspect.signature(accdec.Task.read).parameters) == ["path", "program", "given"]

@@ -91,3 +91,12 @@ def test_designs_without_the_libraries_it_was_built_with(python):
     assert lines[0].startswith(site) and lines[1] == "optimal"
     assert lines[2:5] == ["ipopt True", "nlopt-slsqp True", "ceres-al True"], said
     assert all(path.startswith(site) for path in lines[-1].split()), said
+
+
+def test_a_folder_without_its_project_is_refused(tmp_path):
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    (alone / "wheel_backend.py").write_text((SOURCE / "wheel_backend.py").read_text())
+    done = subprocess.run([sys.executable, "-c", "import wheel_backend; wheel_backend.build_folder({})"], cwd=alone,
+                          capture_output=True, text=True)
+    assert done.returncode != 0 and "CMakeLists.txt is missing" in done.stderr and "Traceback" not in done.stderr

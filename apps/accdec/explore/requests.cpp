@@ -85,6 +85,7 @@ Json settings_json(const FilterSpec& spec, double period_ms) {
   for (const int length : moving_average_cascade(make_filter(shape))) averages.push_back(length * period_ms);
   Json settings{{"averages_ms", averages}, {"length_ms", (make_filter(spec).order() + 1) * period_ms}};
   if (spec.pairs > 0) settings["pair_delay_ms"] = spec.pair_delay * period_ms;
+  if (spec.kind == Shape::blackman_sinc) settings["cutoff_Hz"] = 500.0 * spec.cutoff / period_ms;
   return settings;
 }
 

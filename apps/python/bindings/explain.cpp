@@ -111,7 +111,7 @@ void bind_explain(py::module_& module) {
       .def_property_readonly("gains", [](const Explanation& e) { return part(e, "gains"); })
       .def_property_readonly("remedies", [](const Explanation& e) { return part(e, "remedies"); })
       .def_property_readonly("complete", [](const Explanation& e) { return e.complete; })
-      .def("to_json", &explanation_to_json, "to_json()\n\nAs `accdec explain --json` writes it.")
+      .def("to_json", &explanation_to_json, "to_json(self)\n--\n\nAs `accdec explain --json` writes it.")
       .def("__repr__", &describe_explanation)
       .def("__str__", [](const Explanation& e) { return explanation_text(e); });
   module.def("explain", &explain, py::arg("task"), py::kw_only(), py::arg("share"), py::arg("time_limit"),

@@ -260,13 +260,15 @@ servo : dict or None
     axes_differ: whether axes have different servos, behind which straight legs bend.
 )";
 
-constexpr const char* json_doc = "to_json()\n\nThe text of a result file, as the command line's --json.";
+constexpr const char* json_doc = "to_json(self)\n--\n\nThe text of a result file, as the command line's --json.";
 constexpr const char* page_doc =
-    "page()\n\nOne HTML page that needs no network. It shows the path in the colour of its speed, with zoom, the limit "
+    "page(self)\n--\n\nOne HTML page that needs no network. It shows the path in the colour of its speed, with zoom, "
+    "the "
+    "limit "
     "that "
     "binds over time, and the time lost by classes of corners.";
 constexpr const char* samples_doc =
-    "samples()\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes. "
+    "samples(self)\n--\n\nEvery sample of the motion: time (s), position and velocity (m, m/s; samples by axes), axes. "
     "Behind a servo that is the command, and motion (m) is what the axes do.";
 
 void bind_plan(py::module_& module) {
@@ -297,7 +299,8 @@ void bind_plan(py::module_& module) {
       .def("page", &page_of, page_doc)
       .def(
           "emit", [](const Program& r) { return emitted(r); },
-          "emit()\n\nThe program written back, with the feeds and delays of the plan, as the command line's --emit. "
+          "emit(self)\n--\n\nThe program written back, with the feeds and delays of the plan, as the command line's "
+          "--emit. "
           "Plan "
           "\"profiles\" cannot be written so.")
       .def("samples", &samples, samples_doc)

@@ -240,7 +240,7 @@ void bind_mapping(ResultClass& result) {
   result
       .def(
           "keys", [](const DesignResult&) { return keys(); },
-          "keys()\n\nThe names of the attributes, which are items too: ``result['x']``.")
+          "keys(self)\n--\n\nThe names of the attributes, which are items too: ``result['x']``.")
       .def("__iter__", [](const DesignResult&) { return py::iter(keys()); })
       .def("__len__", [](const DesignResult&) { return py::len(keys()); })
       .def("__contains__", [](const DesignResult&, const py::object& key) { return keys().contains(key); })
@@ -265,14 +265,14 @@ void bind_result(py::module_& module) {
                                 argument<std::string>("text", "name", name));
           },
           py::arg("text"), py::arg("name") = "result",
-          "parse(text, name='result')\n\nThe text of a result file; `name` is what errors call it.")
+          "parse(text, name='result')\n--\n\nThe text of a result file; `name` is what errors call it.")
       .def_static(
           "read", [](const py::object& path) { return read_result(file_name(path)); }, py::arg("path"),
-          "read(path)\n\nA result file, as recorded; `accdec.verify` recomputes it.")
+          "read(path)\n--\n\nA result file, as recorded; `accdec.verify` recomputes it.")
       .def(
           "write",
           [](const DesignResult& r, const py::object& path) { write_file(file_name(path), result_to_json(r)); },
-          py::arg("path"), "write(path)\n\nAs a result file, whole or not at all.")
+          py::arg("path"), "write(self, path)\n--\n\nAs a result file, whole or not at all.")
       .def_property_readonly("x", &taps_view)
       .def_property_readonly("taps", &taps_view)
       .def_property_readonly("fun", [](const DesignResult& r) { return time_or_none(r, r.objective()); })
@@ -302,13 +302,13 @@ void bind_result(py::module_& module) {
       .def_property_readonly("free_taps", [](const DesignResult& r) { return r.free_taps; })
       .def_property_readonly("answer", [](const DesignResult& r) { return settings_answer(r); })
       .def_property_readonly("task", [](const DesignResult& r) { return std::make_shared<Task>(r.task); })
-      .def("to_json", &result_to_json, "to_json()\n\nThe text of a result file.")
+      .def("to_json", &result_to_json, "to_json(self)\n--\n\nThe text of a result file.")
       .def(
           "export_taps",
           [](const DesignResult& r, const py::object& format) {
             return py::bytes(export_taps(r, argument<std::string>("text", "format", format)));
           },
-          py::arg("format"), "export_taps(format)\n\nThe bytes that `accdec.export` writes.")
+          py::arg("format"), "export_taps(self, format)\n--\n\nThe bytes that `accdec.export` writes.")
       .def("__repr__", &describe_result)
       .def("__str__", &result_text)
       .def(py::pickle([](const DesignResult& r) { return result_to_json(r); },

@@ -217,28 +217,30 @@ void bind_task(py::module_& module) {
              return from_fields(all);
            }),
            py::arg("program") = false)
+      .def_static("read", &read, py::arg("path"), py::arg("program") = false, py::arg("given") = false,
+                  "read(path, program=False, given=False)\n--\n\nA task file. `program`: of a whole program; `given`: "
+                  "filter and "
+                  "delays must stand in it.")
       .def_static(
-          "read", &read, py::arg("path"), py::arg("program") = false, py::arg("given") = false,
-          "read(path, program=False, given=False)\n\nA task file. `program`: of a whole program; `given`: filter and "
-          "delays must stand in it.")
-      .def_static("parse", &parse, py::arg("text"), py::arg("name") = "task", py::arg("program") = false,
-                  "parse(text, name='task', program=False)\n\nThe text of a task file; `name` is what errors call it.")
+          "parse", &parse, py::arg("text"), py::arg("name") = "task", py::arg("program") = false,
+          "parse(text, name='task', program=False)\n--\n\nThe text of a task file; `name` is what errors call it.")
       .def(
           "replace",
           [](const py::object& self, const py::kwargs& fields) {
             return fields_module().attr("replaced")(self, fields);
           },
-          "replace(**fields)\n\nA task with other fields, as of the constructor; what is None is left out.")
+          "replace(self, **fields)\n--\n\nA task with other fields, as of the constructor; what is None is left out.")
       .def(
           "to_dict", [](const py::object& self) { return fields_module().attr("to_dict")(self); },
-          "to_dict()\n\nThe tables of a task file, units in their keys; ``Task(**task.to_dict())`` is the same task.")
+          "to_dict(self)\n--\n\nThe tables of a task file, units in their keys; ``Task(**task.to_dict())`` is the same "
+          "task.")
       .def(
           "write", [](const Task& task, const py::object& path) { write_file(file_name(path), task_to_toml(task)); },
-          py::arg("path"), "write(path)\n\nAs a task file, whole or not at all.")
+          py::arg("path"), "write(self, path)\n--\n\nAs a task file, whole or not at all.")
       .def("_json", [](const Task& task) { return task_to_json(task).dump(); })
-      .def("to_toml", &task_to_toml, "to_toml()\n\nThe text of a task file, every axis and choice written out.")
+      .def("to_toml", &task_to_toml, "to_toml(self)\n--\n\nThe text of a task file, every axis and choice written out.")
       .def("set", &with_value, py::arg("key"), py::arg("value"),
-           "set(key, value)\n\nA task with another number at a key as studies vary it, in the key's unit: "
+           "set(self, key, value)\n--\n\nA task with another number at a key as studies vary it, in the key's unit: "
            "``set('corner.*.error_max_um', 20)``.")
       .def_readonly("title", &Task::title)
       .def_readonly("sample_period", &Task::sample_period)

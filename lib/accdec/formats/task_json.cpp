@@ -153,6 +153,10 @@ Task parse_task_json(std::string_view text, const std::string& name, const TaskO
   } catch (const PlainJson::exception& error) {
     throw InputError(name, 0, 0, fmt::format("not valid JSON: {}", error.what()));
   }
+  if (const auto at = duplicate_key(text)) {
+    const auto [line, column] = line_and_column(text, *at);
+    throw InputError(name, line, column, "this key stands twice in its object; each may stand once");
+  }
   if (!json.is_object()) throw InputError(name, 0, 0, "a task is an object with sample_period and corner");
   to_file_keys(json, name);
   return task_from_tree(to_table(json, name, 0), name, "", options);

@@ -234,7 +234,10 @@ class TaskReader {
     faults_.raise();
     // From here on every table by itself is correct.
     if (corners_.empty() && options_.require_corners)
-      top_.fail("the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed");
+      top_.fail(
+          "the task has no corner; at least one [[corner]] with angle_deg and feed_in_mm_min is needed, unless it is "
+          "of a "
+          "whole program (`accdec program`; in Python, program=True)");
     place_corners();
     find_axes_of_modes();
     faults_.attempt("/axis", [&] { check_friction(top_.tables("axis"), task_); });

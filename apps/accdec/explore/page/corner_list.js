@@ -38,7 +38,7 @@ export function cornerList(program, { addressOf, feedsOf, open }, count = shown_
   };
   place.replaceChildren(
     make("h2", {}, which, make("span", { class: "hint" }, ": open one to design it by itself")),
-    make("div", { class: "wide" }, table(head, rows)),
+    make("div", { class: "wide" }, table(head, rows, { right: [3] })),
     ...(all > count ? [make("button", { type: "button", class: "hint", onclick: more }, `show all ${all}`)] : []),
   );
 }

@@ -13,7 +13,10 @@ export function settings(family) {
     parts.push(
       `${s.averages_ms.length > 1 ? "averages" : "average"} ${s.averages_ms.map((x) => `${exact(x)} ms`).join(", ")}`,
     );
-  else parts.push(`${family.parameters ? `${family.parameters}, ` : ""}length ${exact(s.length_ms)} ms`);
+  else {
+    const number = s.cutoff_Hz ? `cut-off ${+s.cutoff_Hz.toPrecision(6)} Hz` : family.parameters;
+    parts.push(`${number ? `${number}, ` : ""}length ${exact(s.length_ms)} ms`);
+  }
   if (s.pair_delay_ms !== undefined) parts.push(`impulses ${exact(s.pair_delay_ms)} ms apart`);
   return parts.join("; ");
 }
