@@ -142,8 +142,8 @@ CornerFeed FeedCaps::corner(std::size_t b, double tolerance) {
                                      std::min(feeds_.margin[b], feeds_.margin[b + 1]),
                                      tolerance,
                                      path_.joint[b] == Joint::stop ? 1.0 : 0.0};
-  std::copy(others.begin(), others.end(), rest);
-  return known_.get(key, [&] { return fastest_corner(b, tolerance); });
+  const auto end = std::copy(others.begin(), others.end(), rest);
+  return known_.get({key.data(), end}, [&] { return fastest_corner(b, tolerance); });
 }
 
 CornerFeed FeedCaps::fastest_corner(std::size_t b, double tolerance) const {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <accdec/simulate.hpp>
@@ -17,14 +18,15 @@ template <class Answer>
 class KnownCorners {
  public:
   static constexpr std::size_t numbers = 2 * program_axis_count + 7;
-  using Key = std::array<double, numbers>;
+  using Key = std::array<double, numbers>;  // so many at most
 
   /// @param corners  of the path
   explicit KnownCorners(std::size_t corners) : places_(std::clamp<std::size_t>(corners, 1, 4096)) {}
 
+  /// @param key      of as many numbers in every call
   /// @param compute  the answer where it is not known
   template <class Compute>
-  Answer get(const Key& key, const Compute& compute) {
+  Answer get(std::span<const double> key, const Compute& compute) {
     if (known_.empty()) known_.resize(places_);
     std::uint64_t hash = 0;
     for (const double x : key) {
@@ -36,7 +38,9 @@ class KnownCorners {
       return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
     });
     if (known.filled && same) return known.answer;
-    known = {true, key, compute()};
+    known.answer = compute();
+    std::copy(key.begin(), key.end(), known.key.begin());
+    known.filled = true;
     return known.answer;
   }
 

@@ -34,7 +34,7 @@ namespace {
 /// slower.
 constexpr std::size_t tuned_max = 2'000;
 constexpr double hopelessly_slower = 1.25;
-constexpr std::size_t parts_max = 8'000;  // blocks, of a long program, on which the programmed feeds are tried first
+constexpr std::size_t parts_max = 4'000;  // blocks, of a long program, on which the programmed feeds are tried first
 constexpr int feed_rounds_max = 40;       // of mending feeds
 constexpr double stepping_time = 0.5;     // s, beyond the time limit, for the plan if no other holds
 
