@@ -234,9 +234,14 @@ TEST(PathSpeed, OfALineIsTheSCurve) {
       x[i] = v * v;
     }
     ASSERT_TRUE(speed.holds(x));
-    speed.solve(x, [] { return false; });
+    const std::vector<double> slow = x;
+    EXPECT_TRUE(speed.solve(x, 1.02 * curve.time(), [] { return false; }));
     EXPECT_TRUE(std::all_of(x.begin(), x.end(), [](double v) { return v < feed * feed; }));
     EXPECT_NEAR(speed.time(x), curve.time(), 0.01 * curve.time()) << length;
+    // Asked for less than the S-curve takes, it soon ends.
+    x = slow;
+    EXPECT_FALSE(speed.solve(x, 0.8 * curve.time(), [] { return false; }));
+    EXPECT_GT(speed.time(x), 1.01 * curve.time());
   }
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,6 +8,8 @@
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
+#include <accdec/plan/delays/joint_delays.hpp>
+#include <accdec/plan/feeds/feed_caps.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
 
 #include "reference.hpp"
@@ -232,6 +235,70 @@ TEST(FeedSchedule, TheSearchPrefersPlansThatHold) {
     if (!all_holds(other)) continue;
     EXPECT_LE(found.simulation.samples, other.simulation.samples * 102 / 100) << order;
   }
+}
+
+// A corner that was met before has the answer that it has by itself, whichever of its properties differ from others'.
+TEST(FeedCaps, ACornerDoesNotDependOnTheOnesBefore) {
+  std::mt19937 random(5);
+  const auto coin = [&random] { return random() % 2 == 0; };
+  constexpr std::size_t blocks = 1500;
+  std::string text = "G91 G64 P0.05\nF3000\n";
+  for (std::size_t b = 0; b < blocks; ++b) text += b % 2 == 0 ? "G1 X1 Z1\n" : "G1 Y1\n";
+  Toolpath path = path_of(text);
+  FeedPath feeds{path.dimensions(), {}, {}, {}};
+  std::vector<double> tolerance;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double x = coin() ? 0.6 : 0.0;
+    for (const double u : {x, x > 0.0 ? 0.8 : 1.0, 0.0}) feeds.direction.push_back(u);
+    feeds.length.push_back(coin() ? 1e-3 : 2e-3);
+    feeds.margin.push_back(coin() ? 1.0F : 0.75F);
+    path.duration[b] = feeds.length[b] / (coin() ? 0.0625 : 0.03125);
+    if (coin()) path.joint[b] = Joint::stop;
+    tolerance.push_back(coin() ? 5e-5 : 1e-5);
+  }
+  const Machine machine = machine_within(0.2, 2.0, 100.0);
+  const Filter filter = trapezoid(40, 10);
+  const FilterBehind behind(filter, machine, period);
+  const FeedWindow window(filter, machine, period, 3);
+  FeedCaps caps(path, feeds, behind, window, period, 0.0);
+  for (std::size_t b = 0; b + 1 < blocks; ++b) {
+    const CornerFeed met = caps.corner(b, tolerance[b]);
+    const CornerFeed alone = FeedCaps(path, feeds, behind, window, period, 0.0).corner(b, tolerance[b]);
+    EXPECT_EQ(std::tie(met.speed, met.leaving, met.delay), std::tie(alone.speed, alone.leaving, alone.delay)) << b;
+  }
+}
+
+TEST(JointDelays, DoNotDependOnTheOnesBefore) {
+  std::mt19937 random(6);
+  const auto coin = [&random] { return random() % 2 == 0; };
+  constexpr std::size_t blocks = 1500;
+  std::string text = "G91 G64 P0.05\nF3000\n";
+  for (std::size_t b = 0; b < blocks; ++b) text += b % 2 == 0 ? "G1 X1\n" : "G1 Y1\n";
+  Toolpath path = path_of(text);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    // Powers of two, so that equal blocks have exactly the same velocities.
+    path.points[2 * (b + 1)] = path.points[2 * b] + (coin() ? 0.0009765625 : 0.001953125);
+    path.points[2 * (b + 1) + 1] = path.points[2 * b + 1] + (coin() ? 0.0 : coin() ? 0.0009765625 : -0.0009765625);
+    path.duration[b] = coin() ? 0.03125 : 0.0625;
+    if (coin()) path.joint[b] = Joint::stop;
+    path.tolerance[b] = coin() ? 5e-5 : 1e-5;
+  }
+  const Machine machine = test::machine_of(2.0, 50.0);  // which some corners break at any delay
+  const Filter filter = trapezoid(40, 10);
+  JointDelays joints(path, filter, period, machine);
+  int impossible = 0;
+  for (std::size_t b = 0; b + 1 < blocks; ++b) {
+    JointDelays alone(path, filter, period, machine);
+    const auto delay = [&](JointDelays& of) {
+      return path.joint[b] == Joint::stop ? of.stop(b) : of.corner(b, 1.0, 1.0);
+    };
+    EXPECT_EQ(delay(joints), delay(alone)) << b;
+    const bool possible = alone.take_possible();
+    EXPECT_EQ(joints.take_possible(), possible) << b;
+    impossible += possible ? 0 : 1;
+  }
+  EXPECT_GT(impossible, 100);
+  EXPECT_LT(impossible, 1400);
 }
 
 TEST(FeedWindow, FindsTheTwoAveragesOfATrapezoid) {

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 #include <string>
 #include <variant>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -99,6 +102,31 @@ INSTANTIATE_TEST_SUITE_P(All, ChosenFeeds,
                                            FeedCase{"linuxcnc/corner-p0.1", 6.0, 500.0, 0},
                                            FeedCase{"linuxcnc/zigzag-p0.05", 1.0, unlimited, 0},
                                            FeedCase{"legs", 6.0, 500.0, 0}, FeedCase{"zigzag", 6.0, 500.0, 0}));
+
+// Longer than what is planned in both ways in any case. At corners of all angles with legs of 10 mm, chosen feeds alone
+// are slower than kept ones here, which no stretch of the program hides.
+TEST(FastestPlan, LongProgramsAreNotSlowerThanAtKeptFeeds) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> heading(-std::numbers::pi, std::numbers::pi);
+  std::string text = "G91 G64 P0.05\nF3000\n";
+  for (std::size_t b = 0; b <= several_plans_max; ++b) {
+    const double angle = heading(random);
+    text += fmt::format("G1 X{:.6f} Y{:.6f}\n", 10.0 * std::cos(angle), 10.0 * std::sin(angle));
+  }
+  Task task = task_of(500.0, 40);
+  for (Axis& axis : task.machine.axes) axis.velocity_max = 0.5, axis.acceleration_max = 6.0;
+  const Toolpath path = test::path_of(text, task.machine);
+  ASSERT_GT(path.blocks(), several_plans_max);
+  const auto planned = [&](Feeds feeds) {
+    const ProgramResult result = run_program("long", path, trapezoid(40, 10), task, false, feeds, {});
+    EXPECT_TRUE(result.verification.feasible) << result.message;
+    return result;
+  };
+  const ProgramResult kept = planned(Feeds::keep), chosen = planned(Feeds::choose);
+  EXPECT_GT(planned(Feeds::choose_only).cycle_time, kept.cycle_time);
+  EXPECT_EQ(chosen.cycle_time, kept.cycle_time);
+  EXPECT_FALSE(chosen.feeds_chosen);
+}
 
 TEST(FastestPlan, OfRandomProgramsIsNoSlowerThanThoseItContains) {
   const TemporaryFolder folder;

@@ -18,7 +18,8 @@
 
 namespace accdec {
 
-/// Programs of more blocks are planned in one way only: several would take many times as long.
+/// Programs of more blocks are planned in one way only, as several would take many times as long. Plan fixed also keeps
+/// their feeds if that may be faster.
 inline constexpr std::size_t several_plans_max = 200'000;
 
 /// Another plan that was made to find the fastest plan that holds.
@@ -155,8 +156,8 @@ struct ProgramResult {
   std::size_t worst_shown = 5;            ///< corners that JSON and the summary list
   double cycle_time = 0.0;                ///< s, samples of the motion times T
   double delay_total = 0.0;               ///< s, of all delays
-  std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; not above `several_plans_max`
-                                          ///< blocks, nor where no such plan holds
+  std::optional<double> cycle_time_kept;  ///< s, planned at the programmed feeds; none where no such plan holds, nor
+                                          ///< above `several_plans_max` blocks if that is clearly slower
   bool kept_same_filter = false;  ///< that plan has this one's filter, which was chosen for other feeds; else its own
   std::optional<double> cycle_time_exact_stop;  ///< s, of a command: with an exact stop after every block (the chords
                                                 ///< of an arc are one block), as the plan at the programmed feeds

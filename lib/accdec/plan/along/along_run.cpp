@@ -19,6 +19,9 @@ using Vector = std::array<double, program_axis_count>;
 
 constexpr int first_rounds = 2, rounds = 7;
 
+/// The time of the first round's coarse cells is right to this part of it, that of later rounds to this.
+constexpr double coarse = 5e-3, fine = 1e-4;
+
 struct Caps {
   double feed = unlimited, tolerance = unlimited;  // of a piece: m/s, m
 };
@@ -40,13 +43,16 @@ class Run {
   Run(const FreePath& free, std::size_t first, std::size_t last, const Deadline& deadline)
       : free_(free), deadline_(deadline), first_(first), last_(last), curve_(free.path, first, last) {}
 
-  std::optional<AlongRun> plan() {
+  /// @param most_samples  see along_run
+  std::optional<AlongRun> plan(std::size_t most_samples) {
+    const double there = static_cast<double>(most_samples) * free_.period;
     if (!curve_.has_arcs() || !set_limits() || !set_pieces()) return {};
     first_guess();
     if (problem_.node.empty()) return {};
     for (int round = 0; round < rounds; ++round) {
-      problem_.solve(x_, [this] { return deadline_.over(); });
-      if (deadline_.over()) return {};
+      // Limits of cells only get lower, so that no later round is faster.
+      const double most = (1.0 + (round == 0 ? coarse : fine)) * there;
+      if (!problem_.solve(x_, most, [this] { return deadline_.over(); }) || deadline_.over()) return {};
       if (round < first_rounds) {
         if (!refine()) return {};
         continue;
@@ -333,12 +339,13 @@ class Run {
 
 }  // namespace
 
-std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, const Deadline& deadline) {
+std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
+                                  const Deadline& deadline) {
   for (std::size_t b = first; b < last; ++b) {
     const Joint joint = free.path.joint[b];
     if (joint == Joint::stop || (joint != Joint::straight && free.path.tolerance[b] < least_tolerance)) return {};
   }
-  return Run(free, first, last, deadline).plan();
+  return Run(free, first, last, deadline).plan(most);
 }
 
 }  // namespace accdec

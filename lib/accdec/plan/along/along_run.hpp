@@ -18,8 +18,10 @@ struct AlongRun {
 /// The fastest motion along lines and the arcs themselves, with limits axis by axis, see PathSpeed. It keeps feeds,
 /// velocity, acceleration, jerk, force and the tolerances of joints. Its samples stay in the tube of the chords.
 /// @param free  limits of power and regeneration are not kept
+/// @param most  samples of the motion that there is: the search ends as soon as it finds that it will take longer
 /// @returns none without arcs, with a stop or a joint inside that grants nothing, or if limits leave no motion
-std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, const Deadline& deadline);
+std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
+                                  const Deadline& deadline);
 
 /// The same motion with its runs between stops along the path wherever that is faster.
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline);

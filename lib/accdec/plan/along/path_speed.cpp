@@ -193,15 +193,19 @@ bool PathSpeed::holds(const std::vector<double>& x) const {
   return inside;
 }
 
-void PathSpeed::solve(std::vector<double>& x, const std::function<bool()>& stop) const {
+bool PathSpeed::solve(std::vector<double>& x, double most, const std::function<bool()>& stop) const {
   Barrier barrier(*this);
   const double bounds = static_cast<double>(node.size() * (1 + 4 * axes)), total = time(x);
   constexpr double exact = 2e-4;  // of the time
   for (double mu = 0.1 * total / bounds; mu > exact * total / bounds; mu *= 0.3) {
-    for (int i = 0; i < 40 && !stop(); ++i) {
-      if (barrier.step(x, mu) < 0.3 * mu * bounds * exact) break;
-    }
+    const double enough = 0.3 * mu * bounds * exact;
+    double promised = unbounded;
+    for (int i = 0; i < 40 && promised >= enough && !stop(); ++i) promised = barrier.step(x, mu);
+    // In the middle of its bounds, a convex problem's optimum is at most mu for each bound away.
+    const bool central = promised > 0.0 && promised < enough;
+    if (central && time(x) - mu * bounds > most) return false;
   }
+  return true;
 }
 
 double PathSpeed::time(const std::vector<double>& x) const {

@@ -24,8 +24,11 @@ struct PathSpeed {
   /// Whether all bounds hold, with room.
   bool holds(const std::vector<double>& x) const;
   /// Makes x as fast as its bounds allow. @param x  a start that holds, see `holds`
+  /// @param most  s; ends as soon as the least time is above it by the barrier's multipliers, which is right without
+  ///              jerk limits and nearly so with them
   /// @param stop  ends it earlier, with what holds
-  void solve(std::vector<double>& x, const std::function<bool()>& stop) const;
+  /// @returns false if the least time is above `most`
+  bool solve(std::vector<double>& x, double most, const std::function<bool()>& stop) const;
   /// s, at the squared speeds x.
   double time(const std::vector<double>& x) const;
 };

@@ -55,10 +55,11 @@ class Joining {
   void take(std::size_t first, std::size_t last, std::size_t end, const Deadline& deadline) {
     const std::size_t begin = next_;
     next_ = end;
-    const std::optional<AlongRun> along = deadline.over() ? std::nullopt : along_run(free_, first, last, deadline);
-    const std::size_t rest = along ? rests(begin, end, first) : 0;
+    const std::size_t rest = rests(begin, end, first), most = end - begin - std::min(rest, end - begin);
+    std::optional<AlongRun> along;
+    if (!deadline.over()) along = along_run(free_, first, last, most, deadline);
     const auto now = static_cast<double>(result_.count(n_) - 1);
-    if (along && rest + along->position.size() / n_ < end - begin) {
+    if (along && along->position.size() / n_ < most) {
       for (std::size_t i = 0; i < rest; ++i)
         result_.position.insert(result_.position.end(), free_.path.point(first), free_.path.point(first) + n_);
       result_.position.insert(result_.position.end(), along->position.begin(), along->position.end());

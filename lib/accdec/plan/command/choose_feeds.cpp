@@ -132,7 +132,7 @@ class Scheduler {
   };
 
   void choose_joints() {
-    const FeedCaps caps(path_, feeds_, behind_, window_, period_, feed_step_);
+    FeedCaps caps(path_, feeds_, behind_, window_, period_, feed_step_);
     for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
       JointState& joint = joints_[b];
       if (!joint.choose) continue;

@@ -16,7 +16,8 @@ JointDelays::JointDelays(const Toolpath& path, const Filter& filter, double samp
       behind_(filter, machine, sample_period),
       period_(sample_period),
       limits_(filter, machine, sample_period),
-      finder_(behind_.motion()) {
+      finder_(behind_.motion()),
+      known_(path.blocks()) {
   const Filter& motion = behind_.motion();
   // Half the mean absolute deviation of the taps: a smooth joint passed without delay errs by it times |v2 u2 - v1 u1|
   // T at most.
@@ -40,6 +41,20 @@ double JointDelays::cos_interior() const {
   double dot = 0.0;
   for (std::size_t i = 0; i < path_.dimensions(); ++i) dot += in_[i] * out_[i];
   return std::clamp(-dot / (speed_in_ * speed_out_), -1.0, 1.0);
+}
+
+template <class Compute>
+int JointDelays::known(double number, bool stop, const Compute& compute) {
+  const auto n = static_cast<std::ptrdiff_t>(path_.dimensions());
+  KnownCorners<Delay>::Key key{number, stop ? 1.0 : 0.0};
+  const auto end = std::copy_n(out_.begin(), n, std::copy_n(in_.begin(), n, key.data() + 2));
+  const Delay delay = known_.get({key.data(), end}, [&] {
+    const bool before = std::exchange(possible_, true);
+    const int samples = compute();
+    return Delay{samples, std::exchange(possible_, before)};
+  });
+  possible_ = possible_ && delay.possible;
+  return delay.samples;
 }
 
 int JointDelays::within_limits(int delay, bool stop) {
@@ -94,7 +109,7 @@ int JointDelays::stop(std::size_t b) {
   // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
   const int least =
       !behind_.ideal() && path_.tolerance[b] < unlimited ? std::max(exact_stop(), within_tolerance(b)) : exact_stop();
-  const std::int64_t rest = within_limits(least, true) - dwell_samples(b);
+  const std::int64_t rest = known(least, true, [&] { return within_limits(least, true); }) - dwell_samples(b);
   return static_cast<int>(std::max<std::int64_t>(exact_stop(), rest));
 }
 
@@ -107,7 +122,7 @@ std::int64_t JointDelays::dwell_samples(std::size_t b) const {
 int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {
   load(b, factor_in, in_, speed_in_);
   load(b + 1, factor_out, out_, speed_out_);
-  return of_control(within_contour(within_tolerance(b)));
+  return known(path_.tolerance[b], false, [&] { return of_control(within_contour(within_tolerance(b))); });
 }
 
 int JointDelays::within_tolerance(std::size_t b) const {

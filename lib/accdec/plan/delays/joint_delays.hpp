@@ -7,6 +7,7 @@
 
 #include <accdec/corner.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/known_corners.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task/blend_limits.hpp>
 
@@ -32,6 +33,9 @@ class JointDelays {
  private:
   void load(std::size_t block, double factor, std::array<double, program_axis_count>& velocity, double& speed) const;
   double cos_interior() const;
+  /// The delay of the velocities loaded, which needs nothing else than these numbers.
+  template <class Compute>
+  int known(double number, bool stop, const Compute& compute);
   int within_limits(int delay, bool stop = false);
   int within_contour(int delay) const;
   /// The corner between the blocks loaded.
@@ -54,6 +58,11 @@ class JointDelays {
   std::array<double, program_axis_count> in_{}, out_{};  // velocities, m/s
   double speed_in_ = 0.0, speed_out_ = 0.0;
   bool possible_ = true;
+  struct Delay {
+    int samples;
+    bool possible;
+  };
+  KnownCorners<Delay> known_;
 };
 
 }  // namespace accdec

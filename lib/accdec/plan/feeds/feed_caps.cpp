@@ -35,7 +35,8 @@ FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehi
       feed_step_(feed_step),
       finder_(motion_),
       arcs_(path, feeds, behind, window, sample_period),
-      acceleration_(path.blocks(), unlimited) {
+      acceleration_(path.blocks(), unlimited),
+      known_(path.blocks()) {
   const std::size_t n = feeds.dimensions;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     for (std::size_t a = 0; a < n; ++a) {
@@ -129,7 +130,23 @@ double FeedCaps::time_lost(std::size_t b, const CornerFeed& corner) const {
   return corner.delay * period_ + time_lost(b, corner.speed, held) + time_lost(b + 1, corner.leaving, held);
 }
 
-CornerFeed FeedCaps::corner(std::size_t b, double tolerance) const {
+CornerFeed FeedCaps::corner(std::size_t b, double tolerance) {
+  if (feed_step_ > 0.0) return fastest_corner(b, tolerance);  // depends on the programmed points, too
+  KnownCorners<CornerFeed>::Key key{};
+  const double* const u = feeds_.direction.data() + b * feeds_.dimensions;
+  auto* const rest = std::copy(u, u + 2 * feeds_.dimensions, key.data());
+  const std::array<double, 7> others{feeds_.length[b],
+                                     feeds_.length[b + 1],
+                                     feed(b),
+                                     feed(b + 1),
+                                     std::min(feeds_.margin[b], feeds_.margin[b + 1]),
+                                     tolerance,
+                                     path_.joint[b] == Joint::stop ? 1.0 : 0.0};
+  const auto end = std::copy(others.begin(), others.end(), rest);
+  return known_.get({key.data(), end}, [&] { return fastest_corner(b, tolerance); });
+}
+
+CornerFeed FeedCaps::fastest_corner(std::size_t b, double tolerance) const {
   const std::size_t n = feeds_.dimensions;
   const double *u = feeds_.direction.data() + b * n, *w = u + n;
   double dot = 0.0;

@@ -8,6 +8,7 @@
 #include <accdec/plan/feeds/arc_caps.hpp>
 #include <accdec/plan/feeds/feed_march.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
+#include <accdec/plan/feeds/known_corners.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -31,7 +32,7 @@ class FeedCaps {
 
   /// Speed and delay of the corner or stop at the end of block b. Among a grid of speeds it is the one that costs the
   /// least time, including the ramps to the neighbours' feeds at constant acceleration. @param tolerance  m
-  CornerFeed corner(std::size_t b, double tolerance) const;
+  CornerFeed corner(std::size_t b, double tolerance);
   /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance. The
   /// window that ends or begins there stays within the limits. Well inside an arc it is the arc's speed, see ArcCaps.
   double smooth(std::size_t b, double tolerance) const;
@@ -43,6 +44,7 @@ class FeedCaps {
   std::vector<FeedPiece> pieces(const std::vector<CornerFeed>& joints) const;
 
  private:
+  CornerFeed fastest_corner(std::size_t b, double tolerance) const;
   double largest(std::size_t b, double v_max, bool apart, bool together) const;
   /// Whether the corner at the end of block b, by itself, holds tolerance and limits without a delay.
   bool passes(std::size_t b, const CornerFeed& corner, double cosine, double tolerance) const;
@@ -71,6 +73,7 @@ class FeedCaps {
   DelayFinder finder_;
   ArcCaps arcs_;
   std::vector<double> acceleration_;  // along every block, m/s^2
+  KnownCorners<CornerFeed> known_;
 };
 
 }  // namespace accdec

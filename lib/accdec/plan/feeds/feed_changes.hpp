@@ -84,6 +84,8 @@ class ChangeJudge {
 
   /// Changes to be judged are those to this segment, until the next one is named.
   void to(const Segment& at) {
+    if (at.margin == margin_) return;
+    margin_ = at.margin;
     const auto margin = static_cast<double>(at.margin);
     for (std::size_t a = 0; a < n(); ++a) {
       allowed_[a] = change_[a] * margin, jerk_allowed_[a] = jerk_change_[a] * margin;
@@ -96,6 +98,9 @@ class ChangeJudge {
   void pair(const Segment& at, const Segment& before, double v, FeedVerdict& verdict) const {
     const double scale = backward_ && before.speed > at.speed ? at.speed / before.speed : 1.0;
     if (window_.supply()) supply(at, before, scale, v, verdict);
+    bool passed = !window_.loads();  // without a branch for every axis: most changes are allowed
+    for (std::size_t a = 0; a < n(); ++a) passed &= std::abs(at.velocity[a] - before.velocity[a] * scale) <= passed_[a];
+    if (passed) return;
     for (std::size_t a = 0; a < n(); ++a) {
       const double old = before.velocity[a] * scale, now = at.velocity[a];
       if (!window_.loads() && std::abs(now - old) <= passed_[a]) continue;
@@ -110,10 +115,16 @@ class ChangeJudge {
             FeedVerdict& verdict) const {
     const auto scale = [&](const Segment& s) { return backward_ && s.speed > at.speed ? at.speed / s.speed : 1.0; };
     const double s1 = scale(one), s2 = scale(two), s3 = scale(both);
+    AxisRow<axes> change;
+    bool passed = true;
     for (std::size_t a = 0; a < n(); ++a) {
-      const double now = at.velocity[a];
-      const double change = now - s1 * one.velocity[a] - s2 * two.velocity[a] + s3 * both.velocity[a];
-      if (std::abs(change) > jerk_passed_[a]) judge(now, change, jerk_allowed_[a], at.speed, v, verdict);
+      change[a] = at.velocity[a] - s1 * one.velocity[a] - s2 * two.velocity[a] + s3 * both.velocity[a];
+      passed &= std::abs(change[a]) <= jerk_passed_[a];
+    }
+    if (passed) return;
+    for (std::size_t a = 0; a < n(); ++a) {
+      if (std::abs(change[a]) > jerk_passed_[a])
+        judge(at.velocity[a], change[a], jerk_allowed_[a], at.speed, v, verdict);
     }
   }
 
@@ -145,6 +156,7 @@ class ChangeJudge {
   const FeedWindow& window_;
   std::size_t dimensions_;
   bool backward_;
+  float margin_ = -1.0F;                      // of the segment named last
   AxisRow<axes> change_{}, jerk_change_{};    // m/s, without loads
   AxisRow<axes> allowed_{}, jerk_allowed_{};  // of them, to the segment named last
   AxisRow<axes> passed_{}, jerk_passed_{};    // up to these no verdict changes

@@ -102,26 +102,31 @@ class March {
   FeedVerdict check(std::size_t i, double left, double v, double ahead, bool to_the_end) {
     FeedVerdict verdict;
     const std::size_t size = line_.size();
-    const double horizon = now_ + ahead;
+    const double horizon = now_ + ahead, tau1 = window_.tau1(), tau2 = window_.tau2();
+    const bool jerk = window_.jerk();
     std::size_t one = keep_, two = keep_, both = keep_;
     double t = now_;
     // Within one window without a jerk limit, only what was commanded before counts.
-    const bool looked_back_at = window_.jerk() || ahead > window_.tau1();
+    const bool looked_back_at = jerk || ahead > tau1;
     const auto follow = [&](const Segment& at) {
-      const double end = at.end;
+      const double end = at.end, until = std::min(end, horizon) - eps_time;
       if (looked_back_at) line_.push_back(at);
       judge_.to(at);
-      while (t < std::min(end, horizon) - eps_time) {
+      const Segment* const line = line_.data();
+      const std::size_t last = line_.size() - 1;
+      const Segment* judged = nullptr;
+      while (t < until) {
         const double soon = t + eps_time;
-        while (one + 1 < line_.size() && line_[one].end + window_.tau1() <= soon) ++one;
-        double next = std::min(end, line_[one].end + window_.tau1());
-        if (window_.jerk()) {
-          while (line_[two].end + window_.tau2() <= soon) ++two;
-          while (line_[both].end + reach_ <= soon) ++both;
-          next = std::min({next, line_[two].end + window_.tau2(), line_[both].end + reach_});
-          judge_.jerk(at, line_[one], line_[two], line_[both], v, verdict);
+        while (one < last && line[one].end + tau1 <= soon) ++one;
+        double next = std::min(end, line[one].end + tau1);
+        if (jerk) {
+          while (line[two].end + tau2 <= soon) ++two;
+          while (line[both].end + reach_ <= soon) ++both;
+          next = std::min({next, line[two].end + tau2, line[both].end + reach_});
+          judge_.jerk(at, line[one], line[two], line[both], v, verdict);
         }
-        judge_.pair(at, line_[one], v, verdict);
+        if (judged != line + one) judge_.pair(at, line[one], v, verdict);
+        judged = line + one;
         if (verdict.use > good && verdict.until == unlimited) {
           verdict.until = t;
           if (!to_the_end) return;

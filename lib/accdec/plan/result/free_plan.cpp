@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -118,12 +119,17 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   const double chords = file.reading.read.arc_tolerance;
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
   ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
-  if (file.path.blocks() <= several_plans_max)
-    profiles.corner_bound = corner_bound_of(file.path, task, options.deadline, true);
+  // The bound is computed beside the plan of one filter, in the same part of the time.
+  std::future<CornerBound> bound;
+  if (file.path.blocks() <= several_plans_max) {
+    const std::launch how = options.free.threads > 1 ? std::launch::async : std::launch::deferred;
+    bound = std::async(how, [&] { return corner_bound_of(file.path, task, options.deadline, true); });
+  }
   const std::string no_motion = why_no_motion(profiles, options.deadline);
   // One filter may be faster than profiles, and than any motion that was found.
   const bool only = profiles.plan.empty() || !profiles.verification.feasible;
   if (!fixed) fixed = fixed_beside(name, file, task, options, only);
+  if (bound.valid()) profiles.corner_bound = bound.get();
   ProgramResult* const beside = fixed ? &fixed->result : nullptr;
   const auto answer = [&](ProgramResult result) {
     if (beside && (!result.verification.feasible || beside->cycle_time < result.cycle_time)) {

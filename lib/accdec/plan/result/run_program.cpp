@@ -16,11 +16,14 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/result/cool_drives.hpp>
 #include <accdec/plan/result/other_rules.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
+#include <accdec/simulate/simulate.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -31,8 +34,9 @@ namespace {
 /// slower.
 constexpr std::size_t tuned_max = 2'000;
 constexpr double hopelessly_slower = 1.25;
-constexpr int feed_rounds_max = 40;    // of mending feeds
-constexpr double stepping_time = 0.5;  // s, beyond the time limit, for the plan if no other holds
+constexpr std::size_t parts_max = 4'000;  // blocks, of a long program, on which the programmed feeds are tried first
+constexpr int feed_rounds_max = 40;       // of mending feeds
+constexpr double stepping_time = 0.5;     // s, beyond the time limit, for the plan if no other holds
 
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
@@ -80,6 +84,11 @@ class Planning {
     snap(plan);
     if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
+  }
+  /// Programs too long to be planned twice in any case are planned at the programmed feeds, too, if that may be faster.
+  void compare_kept(const Toolpath& path) {
+    if (kept_ || deadline_.over() || least_kept(path) >= best_.plan.simulation.samples) return;
+    if (!slower_in_parts(path)) keep(path, true);
   }
   /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
   void tune(const Toolpath& path, Feeds feeds) {
@@ -173,15 +182,43 @@ class Planning {
     plan.plan.simulation = std::move(snapped.simulation);
     plan.plan.errors_hold = true;
   }
+  std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays) const {
+    const int least = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
+    }
+    return delays;
+  }
+  /// Whether parts of a program show that it is clearly slower at the programmed feeds.
+  bool slower_in_parts(const Toolpath& path) const {
+    constexpr double clearly = 1.002;
+    double kept = 0.0, chosen = 0.0;
+    for (Toolpath& part : stretches(path, parts_max)) {
+      chosen += seconds(
+          schedule_feeds(part, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_).plan);
+      limit_rapids(part, filter_, task_.sample_period, machine_);
+      const ProgramPlan plan = plan_program(part, filter_, task_.sample_period, machine_, false, deadline_);
+      if (!all_holds(plan)) return true;
+      kept += seconds(plan);
+    }
+    return kept > clearly * chosen;
+  }
+  /// Samples at the programmed feeds with no more than the delays that corners and stops need alone: plans take longer.
+  std::int64_t least_kept(Toolpath path) const {
+    limit_rapids(path, filter_, task_.sample_period, machine_);
+    snap_durations(path, filter_, task_.sample_period, machine_);
+    std::vector<int> delays = pairwise_delays(path, filter_, task_.sample_period, machine_).delays;
+    delays = with_least_stops(path, std::move(delays));
+    for (std::size_t b = 0; b < path.blocks(); ++b) {
+      if (!ends_leg(path, b)) delays[b] = 0;  // curves may be slowed instead
+    }
+    return motion_samples(CommandTiming(path, task_.sample_period, delays), filter_);
+  }
   /// Stops were planned with the delay that legs longer than the filter need. After shorter legs the least may be
   /// enough.
   void relax_stops(ScheduledPlan& plan) const {
     if (!plan.path.given_delays.empty()) return;
-    const int least = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
-    std::vector<int> delays = plan.plan.delays;
-    for (std::size_t b = 0; b + 1 < plan.path.blocks(); ++b) {
-      if (plan.path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
-    }
+    std::vector<int> delays = with_least_stops(plan.path, plan.plan.delays);
     if (delays == plan.plan.delays) return;
     ProgramPlan relaxed = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
     if (!all_holds(relaxed)) return;
@@ -280,6 +317,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   if (keep && !written) planning.keep(path, feeds == Feeds::keep);
   if (feeds != Feeds::keep && !written) planning.choose(path);
   if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
+  if (!keep && feeds != Feeds::choose_only && !written) planning.compare_kept(path);
   planning.stop(path, feeds != Feeds::keep);
   planning.cool();
   path = {};
