@@ -95,14 +95,12 @@ bool only_runs_on(const Task& task) {
   return task.settings && runs_on(control_of(*task.settings, 0.0));
 }
 
-/// @throws InputError for free taps that a program is not planned with, and for a control whose delays --feeds keep
-/// does not give
+/// @throws InputError for free taps beside other families, and for a control whose delays --feeds keep does not give
 void require_delays(const ProgramArguments& options, const Task& task) {
   try {
     if (task.settings) require_planned_taps(*task.settings);
   } catch (const std::invalid_argument& why) {
-    throw task.settings->names_family() ? error_at_family(options.task, why.what())
-                                        : error_at_delays(options.task, why.what());
+    throw error_at_family(options.task, why.what());
   }
   if (options.plan != "fixed" || options.feeds != "keep" || !only_runs_on(task)) return;
   if (task.settings->names(DelayKind::continuous)) return;

@@ -143,13 +143,10 @@ TEST(CliControllers, FamiliesWithoutAMemberThatHoldsAreRefusedAtTheirPlace) {
   EXPECT_THAT(refused.err, HasSubstr("the closest, TAU = 10 ms, breaks acceleration x: 158.6 %"));
 }
 
-TEST(CliControllers, FreeTapsThatNoProgramIsPlannedWithAreRefusedAtTheirPlace) {
+TEST(CliControllers, FreeTapsBesideAFamilyAreRefusedForAProgram) {
   const TemporaryFolder folder;
   const std::string program = test_support::source_folder() + "/problems/program/star.ngc";
   const std::string head = "sample_period_ms = 1\n[controller]\ndelays = \"";
-  const Outcome delays = run({"program", program, "--task", folder.write("d.toml", head + "in-position\"\n")});
-  EXPECT_EQ(delays.code, 2);
-  EXPECT_THAT(delays.err, HasSubstr("d.toml:3:10: [controller] delays: free taps of a program"));
   const Outcome family = run({"program", program, "--task",
                               folder.write("f.toml", head + "dwell\"\n[design]\nfamily = [\"taps\", \"averages\"]\n")});
   EXPECT_EQ(family.code, 2);

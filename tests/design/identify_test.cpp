@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <string>
 #include <utility>
@@ -24,7 +26,9 @@ struct Leg {
 };
 
 /// The log of a command behind taps, by the definition: every step is spread over the next samples.
-MotionLog simulated(const std::vector<double>& taps, const std::vector<Leg>& legs, double noise, unsigned seed) {
+/// @param noise  of x and y
+MotionLog simulated(const std::vector<double>& taps, const std::vector<Leg>& legs, const std::array<double, 2>& noise,
+                    unsigned seed) {
   std::vector<double> x(40, 0.01), y(40, -0.02);
   for (const Leg& leg : legs) {
     for (int k = 1; k <= leg.samples; ++k) {
@@ -38,15 +42,20 @@ MotionLog simulated(const std::vector<double>& taps, const std::vector<Leg>& leg
   std::normal_distribution<double> error(0.0, 1.0);
   MotionLog log{{"x", "y"}, {}};
   for (const std::vector<double>& at : {x, y}) {
+    const double of_axis = noise[log.position.size()];
     std::vector<double> filtered;
     for (std::size_t k = 0; k < at.size(); ++k) {
       double sum = 0.0;
       for (std::size_t i = 0; i < taps.size(); ++i) sum += taps[i] * at[k >= i ? k - i : 0];
-      filtered.push_back(sum + noise * error(engine));
+      filtered.push_back(sum + of_axis * error(engine));
     }
     log.position.push_back(std::move(filtered));
   }
   return log;
+}
+
+MotionLog simulated(const std::vector<double>& taps, const std::vector<Leg>& legs, double noise, unsigned seed) {
+  return simulated(taps, legs, {noise, noise}, seed);
 }
 
 std::vector<double> taps_of(const std::vector<int>& lengths) {
@@ -90,18 +99,29 @@ TEST(Identify, FindsThreeAveragesAndTheDelayOfACorner) {
   EXPECT_EQ(found.moves[1].first - found.moves[0].first - found.moves[0].samples, 12);
 }
 
-/// By how many standard deviations two cascades differ in a log: the norm of the difference of their motions over the
-/// noise. Start and stop of the move are the same numbers, so this is that of one of them times the root of two.
-TEST(Identify, SaysHowFarNeighboursAreBehind) {
-  const double noise = 1e-6, step = 0.1 * period;
-  const std::vector<double> a = taps_of({22, 22}), b = taps_of({23, 21});
-  double square = 0.0, difference = 0.0, speed = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    speed += a[k] - b[k];
-    difference += speed;
-    square += 2.0 * std::pow(step * difference, 2);
+/// The norm of the difference of x behind two filters, m, where a fit chooses start and way.
+double way_between(const std::vector<double>& a, const std::vector<double>& b, const std::vector<Leg>& legs) {
+  const std::vector<double> x = simulated(a, legs, 0.0, 1).position[0], like = simulated(b, legs, 0.0, 1).position[0];
+  const auto mean = [](const std::vector<double>& of) {
+    return std::accumulate(of.begin(), of.end(), 0.0) / static_cast<double>(of.size());
+  };
+  const double mean_x = mean(x), mean_like = mean(like);
+  double both = 0.0, squares = 0.0, left = 0.0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    both += (x[k] - mean_x) * (like[k] - mean_like);
+    squares += std::pow(like[k] - mean_like, 2);
   }
-  const double sigmas = std::sqrt(square) / noise;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    left += std::pow(x[k] - mean_x - both / squares * (like[k] - mean_like), 2);
+  return std::sqrt(left);
+}
+
+/// By how many standard deviations two cascades differ in a log: the norm of the difference of their motions over the
+/// noise.
+TEST(Identify, SaysHowFarNeighboursAreBehind) {
+  const double noise = 1e-6;
+  const std::vector<double> a = taps_of({22, 22}), b = taps_of({23, 21});
+  const double sigmas = way_between(a, b, straight_legs) / noise;
   double mean = 0.0;
   constexpr int logs = 20;
   int right = 0;
@@ -117,6 +137,40 @@ TEST(Identify, SaysHowFarNeighboursAreBehind) {
   // The difference of both sums of squares has the mean sigmas^2 and the standard deviation 2 sigmas.
   EXPECT_NEAR(mean, sigmas * sigmas, 4.0 * 2.0 * sigmas / std::sqrt(static_cast<double>(logs)) + 0.1 * sigmas * sigmas);
   EXPECT_GE(right, logs * 8 / 10);
+}
+
+/// Pooled with y, which rests without any, the noise of x would be less by the root of two.
+TEST(Identify, AnAxisThatRestsDoesNotCount) {
+  const double noise = 1e-6;
+  double mean = 0.0;
+  constexpr int logs = 4;
+  for (unsigned seed = 1; seed <= logs; ++seed) {
+    const Identification found = identify(simulated(taps_of({22, 22}), straight_legs, {noise, 0.0}, seed), task_of());
+    EXPECT_EQ(found.fits.front().family, SettingFamily::averages);
+    mean += found.noise / logs;
+  }
+  // About 150 values a log: the mean of four is known to 3 %.
+  EXPECT_NEAR(mean, noise, 0.1 * noise);
+}
+
+/// Two axes with the same motion and noises of 0.3 and 6 um: the sum of the squares of the way over each noise.
+TEST(Identify, AxesCountByTheirNoise) {
+  const std::vector<double> a = taps_of({22, 22}), b = taps_of({23, 21});
+  const std::array<double, 2> noise{0.3e-6, 6e-6};
+  const std::vector<Leg> legs{{0.02, 0.02, 200, 0}};
+  const double way = way_between(a, b, legs), sigmas = std::hypot(way / noise[0], way / noise[1]);
+  double mean = 0.0;
+  constexpr int logs = 8;
+  for (unsigned seed = 1; seed <= logs; ++seed) {
+    const Identification found =
+        identify(simulated(a, legs, noise, seed), task_of(), {.noise = {}, .sigmas = 3.0 * sigmas});
+    EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{22, 22}));
+    for (const FittedFilter& fit : found.fits) {
+      const bool averages = fit.family == SettingFamily::averages && fit.filter.lengths == std::vector<int>{23, 21};
+      if (averages) mean += fit.sigmas * fit.sigmas / logs;
+    }
+  }
+  EXPECT_NEAR(mean, sigmas * sigmas, 4.0 * 2.0 * sigmas / std::sqrt(static_cast<double>(logs)) + 0.1 * sigmas * sigmas);
 }
 
 TEST(Identify, FindsTheTimeConstantOfAPole) {

@@ -44,24 +44,27 @@ double planned(Toolpath path, const Filter& filter, const Task& task) {
 TEST(ProgramSettings, NoMemberOfTheFamilyIsPlannedFaster) {
   const Task task = test::averages_task(2, {});
   const Toolpath path = test::path_of(test::corner_program, task.machine);
-  const SettingsForProgram found = settings_for_program(path, task, true, {}, {});
-  ASSERT_TRUE(found.best && found.best->complete);
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, true, {}, {});
+  ASSERT_TRUE(found && found->complete);
   // Guesses leave little to plan.
-  EXPECT_LT(found.best->tried, found.best->members / 4);
+  EXPECT_LT(found->tried, found->members / 4);
   double least = unlimited;
   for (int a = 1; a <= task.design.order_max + 1; ++a) {
     for (int b = 1; b <= a && a + b - 2 <= task.design.order_max; ++b)
       least = std::min(least, planned(path, averages(std::vector<int>{a, b}), task));
   }
-  EXPECT_EQ(planned(path, make_filter(found.best->chosen.filter), task), least);
+  EXPECT_EQ(planned(path, make_filter(found->chosen.filter), task), least);
 }
 
 /// The delays of a plan follow from its width: the first sample of the rest in which the motion, made directly, is
 /// within the width of the corner.
 TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
-  Task task = test::averages_task(2, {DelayKind::in_position, DelayKind::exact_stop});
-  task.settings->stages.resize(1);
-  for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
+  Task task = test::averages_task(1, {DelayKind::in_position, DelayKind::exact_stop});
+  for (const auto& [family, feeds] : {std::pair(SettingFamily::averages, Feeds::keep),
+                                      {SettingFamily::averages, Feeds::choose},
+                                      {SettingFamily::taps, Feeds::keep},
+                                      {SettingFamily::taps, Feeds::choose}}) {
+    task.settings->families = {family};
     const TemporaryFolder folder;
     const std::string program = folder.write("part.ngc", test::corner_program);
     ProgramFileOptions options;
@@ -117,10 +120,10 @@ TEST(ProgramSettings, ASearchWithoutTimeAnswersWithAGuess) {
   task.machine.axes.resize(1);  // for X, Y and Z
   LineSource source(test_support::source_folder() + "/problems/program/raster.ngc");
   const Toolpath path = read_toolpath(source, task.machine, {});
-  const SettingsForProgram found = settings_for_program(path, task, true, Deadline(0.0), {});
-  ASSERT_TRUE(found.best);
-  EXPECT_FALSE(found.best->complete);
-  EXPECT_LE(found.best->tried, 20);
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, true, Deadline(0.0), {});
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->complete);
+  EXPECT_LE(found->tried, 20);
 }
 
 /// p(d) of two averages by its definition.
@@ -238,25 +241,6 @@ TEST_F(ProgramCommand, ALanguageWithoutASourceIsRefusedByName) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path("e.ngc")) || std::filesystem::exists(folder_.path("r.json")));
 }
 
-TEST_F(ProgramCommand, AControlThatTakesTapsIsToldToSetThem) {
-  write("part.ngc", test::corner_program);
-  write("control.toml", std::string(test::corner_machine) + "[controller]\nname = \"linuxcnc\"\n");
-  ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json --figure r.html").code, 0)
-      << read("err");
-  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
-  const std::string answer =
-      fmt::format("Set these: the {} taps that `accdec export` writes", record["filter"]["taps"].size());
-  EXPECT_EQ(read("out").find(answer), 0U) << read("out");
-  EXPECT_THAT(read("r.html"), HasSubstr("Set these: the "));
-  EXPECT_EQ(record["answer"].get<std::string>().find(answer), 0U);
-  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
-  record["answer"] = "Set these: 2 taps.";
-  write("forged.json", record.dump());
-  const Output forged = run("verify forged.json");
-  EXPECT_EQ(forged.code, 1);
-  EXPECT_THAT(forged.out, HasSubstr("answer is not what the other members say"));
-}
-
 /// Way over feed bounds the time of any taps. The answer in words is forged with the number, so that only the bound
 /// can tell.
 TEST_F(ProgramCommand, FreeTapsFasterThanAnyFilterAreRejected) {
@@ -306,12 +290,15 @@ TEST_F(ProgramCommand, ResultsOfEveryFamilyAreVerified) {
 }
 
 TEST_F(ProgramCommand, PlansOfPositionsAreRefusedForAControlWithOneFilter) {
-  write("control.toml", std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\nstages = 2\n");
   write("part.ngc", test::corner_program);
-  for (const char* plan : {"profiles", "free"}) {
-    const Output refused = run("program part.ngc --plan " + std::string(plan) + " --task control.toml --json r.json");
-    EXPECT_EQ(refused.code, 2) << plan;
-    EXPECT_THAT(refused.err, HasSubstr("use --plan fixed"));
+  for (const char* control :
+       {"[design]\nfamily = \"averages\"\nstages = 2\n", "[controller]\ndelays = \"in-position\"\n"}) {
+    write("control.toml", std::string(test::corner_machine) + control);
+    for (const char* plan : {"profiles", "free"}) {
+      const Output refused = run("program part.ngc --plan " + std::string(plan) + " --task control.toml --json r.json");
+      EXPECT_EQ(refused.code, 2) << plan;
+      EXPECT_THAT(refused.err, HasSubstr("use --plan fixed"));
+    }
   }
 }
 

@@ -145,7 +145,7 @@ py::object delays(const py::object& self) {
 /// None for a task without families.
 py::object settings(const Program& r) {
   if (!r.settings) return py::none();
-  return settings_dict(r.settings->chosen, program_settings_answer(*r.settings, r.cycle_time, r.has_today));
+  return settings_dict(r.settings->chosen, program_settings_answer(r));
 }
 
 /// None without a servo.
@@ -249,11 +249,14 @@ lines : ndarray of int
 durations : ndarray
     s, way over feed of every commanded move.
 settings : dict or None
-    If the task names families, the values to enter in its controller: family, values, answer (in words), and delays:
-    the kind at the end of every commanded move. width, width_low and width_high (m) are None if no corner is
-    in-position.
+    If the task names families, or taps of a controller that has only some delays, the values to enter: family, values,
+    answer (in words), and delays: the kind at the end of every commanded move. width, width_low and width_high (m) are
+    None if no corner is in-position.
 answer : str
     What to set, for a task that names families, or a control that takes the taps. Empty for others.
+today : float or None
+    s, of the program with today's setting of the controller, where it was planned; inf if no plan with it holds all
+    limits.
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
@@ -293,6 +296,7 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("durations", view_of(&Toolpath::duration))
       .def_property_readonly("settings", &settings)
       .def_property_readonly("answer", &program_answer)
+      .def_property_readonly("today", [](const Program& r) { return r.today; })
       .def_property_readonly("servo", &servo)
       .def(
           "to_json", [](const Program& r) { return program_to_json(r); }, json_doc)

@@ -86,7 +86,7 @@ CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vect
   }
   CommandFit fit{0.0, first, count, {}};
   fit.coefficients = (basis.transpose() * basis).ldlt().solve(basis.transpose() * at_);
-  fit.squares = (at_ - basis * fit.coefficients).squaredNorm();
+  fit.squares = ((at_ - basis * fit.coefficients) * command_.weights.asDiagonal()).squaredNorm();
   return fit;
 }
 
@@ -140,13 +140,15 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
 
 Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
   const std::vector<double> reached = moved(smoothing_);
-  const auto rows = static_cast<Eigen::Index>(rows_.size()), axes = at_.cols();
-  Eigen::MatrixXd a(rows * axes, order + 1);
-  Eigen::VectorXd b(rows * axes);
-  for (Eigen::Index axis = 0; axis < axes; ++axis) {
-    for (Eigen::Index r = 0; r < rows; ++r) {
+  const auto rows = static_cast<Eigen::Index>(rows_.size());
+  Eigen::MatrixXd a(rows * command_.axes(), order + 1);
+  Eigen::VectorXd b(a.rows());
+  Eigen::Index row = 0;
+  for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) {
+    const double weight = command_.weights(axis);
+    for (Eigen::Index r = 0; r < rows && weight > 0.0; ++r, ++row) {
       const int k = rows_[static_cast<std::size_t>(r)];
-      b(axis * rows + r) = at_(r, axis) - fit.coefficients(0, axis);
+      b(row) = weight * (at_(r, axis) - fit.coefficients(0, axis));
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
         for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
@@ -154,7 +156,7 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
           way +=
               fit.coefficients(s + 1, axis) * part_moved(reached, k - fit.first[leg] - i, fit.count[leg], part >= legs);
         }
-        a(axis * rows + r, i) = way;
+        a(row, i) = weight * way;
       }
     }
   }

@@ -13,7 +13,7 @@ namespace accdec {
 
 /// One fit of a command behind a filter to a log.
 struct CommandFit {
-  double squares = 0.0;           ///< m^2, sum of squared differences
+  double squares = 0.0;           ///< m^2, sum of squared differences, each times its axis' weight
   std::vector<int> first, count;  ///< of each leg, samples
   /// Start, then ways of the legs' full steps, then those of their last steps if these may be shorter, by rows, m; axes
   /// by columns.
@@ -39,7 +39,7 @@ class FitWindow {
   /// The same command, with the ways that fit this filter best.
   CommandFit refit(const Filter& filter, const CommandFit& fit) const;
   /// Values that are compared.
-  long values() const { return static_cast<long>(rows_.size()) * log_.axes.size(); }
+  long values() const { return static_cast<long>(rows_.size()) * command_.axes(); }
 
  private:
   CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first,

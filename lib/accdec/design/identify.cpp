@@ -30,7 +30,7 @@ class Identifier {
       : log_(log),
         task_(task),
         options_(options),
-        command_(logged_command(log)),
+        command_(command_in(log, options)),
         // The noise, and cascades that begin slowly, hide where a ramp begins and ends.
         order_max_(std::min(task.design.order_max, command_.longest_ramp * 8 / 5 + 10)),
         window_(log, command_, order_max_, task.machine.prefilter_taps) {}
@@ -45,7 +45,7 @@ class Identifier {
     look();
     // Last steps are more numbers to fit: they must explain more.
     const double values = static_cast<double>(window_.values());
-    const double numbers = static_cast<double>(command_.legs.size() * log_.axes.size());
+    const double numbers = static_cast<double>(command_.legs.size()) * static_cast<double>(command_.axes());
     if (values * std::log(whole / least_squares()) < numbers * std::log(values) + sure) {
       window_.allow_last_steps(false);
       all_ = members, taps_ = taps;
@@ -54,6 +54,12 @@ class Identifier {
   }
 
  private:
+  /// A given noise is that of all axes.
+  static LoggedCommand command_in(const MotionLog& log, const IdentifyOptions& options) {
+    LoggedCommand command = logged_command(log);
+    if (options.noise) command.weights = (command.weights.array() > 0.0).cast<double>();
+    return command;
+  }
   /// Members of all families, and free taps.
   void look() {
     const int pole_order_max = std::max(order_max_, 5 * command_.longest_ramp);
@@ -114,7 +120,7 @@ class Identifier {
 
   double rms(double squares, int parameters) const {
     const double free = static_cast<double>(window_.values()) - parameters -
-                        static_cast<double>((command_.legs.size() + 1) * log_.axes.size());
+                        static_cast<double>(command_.legs.size() + 1) * static_cast<double>(command_.axes());
     return std::sqrt(squares / std::max(1.0, free));
   }
 

@@ -30,17 +30,17 @@ struct LoggedMove {
 
 /// The answer to a log: the filters that its motion may have passed.
 struct Identification {
-  std::vector<FittedFilter> fits;             ///< those that fit, the most likely first; never empty
-  FittedFilter taps;                          ///< any taps, as good as the log shows them
-  double noise = 0.0;                         ///< m, standard deviation, as given or found
-  double log_noise = 0.0;                     ///< m, as the log shows it at rest and at constant speed
-  std::vector<LoggedMove> moves;              ///< one, or both legs of a corner; of the first fit
+  std::vector<FittedFilter> fits;  ///< those that fit, the most likely first; never empty
+  FittedFilter taps;               ///< any taps, as good as the log shows them
+  double noise = 0.0;              ///< m, standard deviation, as given or found; mean of the axes that move, as below
+  double log_noise = 0.0;          ///< m, as the log shows it at rest and at constant speed
+  std::vector<LoggedMove> moves;   ///< one, or both legs of a corner; of the first fit
   std::vector<std::vector<double>> modelled;  ///< m, by axis and sample, of the first fit
 };
 
 /// Options of `identify`.
 struct IdentifyOptions {
-  std::optional<double> noise;  ///< m; none: that of the best fit
+  std::optional<double> noise;  ///< m, of every axis; none: that of the best fit, each axis by its own in the log
   double sigmas = 4.0;          ///< fits this much worse than the best are left out
 };
 
@@ -53,7 +53,8 @@ struct IdentifyOptions {
 /// that a family has more must explain more. Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit
 /// too many families. Taps are the answer if they fit better than chance explains. They are also if the best family
 /// leaves far more than the noise, as the log shows it at rest and at constant speed. Two poles that differ mostly end
-/// so. The task's `prefilter_taps` stand behind every filter: what is found is the filter in front of them.
+/// so. An axis counts by its noise, as the log shows it; one that rests does not count. The task's `prefilter_taps`
+/// stand behind every filter: what is found is the filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine

@@ -13,6 +13,8 @@ namespace {
 
 constexpr Eigen::Index rest_least = 5;  // samples at rest before and after the motion
 constexpr int steady_least = 6;         // samples at constant speed in a leg
+constexpr double least_way = 1e-3;      // of the longest leg; an axis that moves less rests
+constexpr double least_noise = 1e-4;    // of a sample's step; less cannot be told from a log's last digit
 constexpr double steady_part = 2e-3;    // of a sample's step, by which positions may be off a constant speed
 
 class Finder {
@@ -39,7 +41,7 @@ class Finder {
     if (corner < 0) {
       const Steady whole = steady(first_, last_);
       add(found, whole, start_, end_);
-      found.noise = noise_in({whole});
+      weigh({whole}, found);
       found.longest_ramp = std::max(whole.first - first_, last_ - whole.last);
       return found;
     }
@@ -47,7 +49,7 @@ class Finder {
     const Eigen::VectorXd meet = meeting(in, out);
     add(found, in, start_, meet);
     add(found, out, meet, end_);
-    found.noise = noise_in({in, out});
+    weigh({in, out}, found);
     found.longest_ramp = std::max({in.first - first_, out.first - in.last, last_ - out.last});
     return found;
   }
@@ -72,10 +74,31 @@ class Finder {
           "the log must begin and end at rest, {} samples each, at different places: it ends {:.4g} mm from where it "
           "begins, and moves by up to {:.4g} mm in its first and last {} samples",
           rest_least, 1e3 * way_, 1e3 * noise, rest_least));
-    threshold_ = std::max({4.0 * noise, 1e-5 * way_, 1.5 * resolution()});
+    resolution_ = resolution();
+    threshold_ = threshold(noise);
     while (first_ + 1 < samples && (at_.col(first_ + 1) - start_).norm() <= threshold_) ++first_;
     last_ = samples - 1;
     while (last_ > 0 && (at_.col(last_ - 1) - end_).norm() <= threshold_) --last_;
+  }
+
+  /// m; what moves by less rests.
+  double threshold(double noise) const { return std::max({4.0 * noise, 1e-5 * way_, 1.5 * resolution_}); }
+
+  /// The mean square, m^2, of an axis' noise by first differences while it rests. The others' noise may hide where it
+  /// begins to move.
+  double square_at_rest(Eigen::Index a) const {
+    const Eigen::Index samples = at_.cols();
+    double noise = 0.0;
+    for (Eigen::Index k = 0; k < rest_least; ++k)
+      noise = std::max({noise, std::abs(at_(a, k) - start_(a)), std::abs(at_(a, samples - 1 - k) - end_(a))});
+    const double still = threshold(noise);
+    double squares = 0.0;
+    long rests = 0;
+    const auto add = [&](Eigen::Index k) { squares += std::pow(at_(a, k) - at_(a, k - 1), 2), ++rests; };
+    Eigen::Index k = 1;
+    for (; k < samples && std::abs(at_(a, k) - start_(a)) <= still; ++k) add(k);
+    for (Eigen::Index back = samples - 1; back > k && std::abs(at_(a, back - 1) - end_(a)) <= still; --back) add(back);
+    return squares / (2.0 * static_cast<double>(std::max(1L, rests)));
   }
 
   /// m, the smallest change of an axis, where it may be the log's last digit.
@@ -153,20 +176,34 @@ class Finder {
     return part.speed.norm() > 0.0 && worst <= std::max(threshold_, steady_part * part.speed.norm());
   }
 
-  /// m. Differences do not see a filter's slow end: first ones at rest, second ones at constant speed.
-  double noise_in(const std::vector<Steady>& parts) const {
-    double at_rest = 0.0, steady = 0.0;
-    long rests = 0, steadies = 0;
-    for (Eigen::Index k = 1; k < at_.cols(); ++k) {
-      if (k > first_ && k <= last_) continue;
-      at_rest += (at_.col(k) - at_.col(k - 1)).squaredNorm(), rests += axes_;
-    }
+  /// m, by axis. Differences do not see a filter's slow end: first ones at rest, second ones at constant speed.
+  Eigen::VectorXd noise_in(const std::vector<Steady>& parts) const {
+    Eigen::ArrayXd at_rest(axes_), steady = Eigen::ArrayXd::Zero(axes_);
+    for (Eigen::Index a = 0; a < axes_; ++a) at_rest(a) = square_at_rest(a);
+    long steadies = 0;
     for (const Steady& part : parts) {
       for (int k = part.first + 1; k < part.last; ++k)
-        steady += (at_.col(k + 1) - 2.0 * at_.col(k) + at_.col(k - 1)).squaredNorm(), steadies += axes_;
+        steady += (at_.col(k + 1) - 2.0 * at_.col(k) + at_.col(k - 1)).array().square(), ++steadies;
     }
-    return std::sqrt(std::max(at_rest / (2.0 * static_cast<double>(std::max(1L, rests))),
-                              steady / (6.0 * static_cast<double>(std::max(1L, steadies)))));
+    return at_rest.max(steady / (6.0 * static_cast<double>(std::max(1L, steadies)))).sqrt();
+  }
+
+  /// The noise of every axis, and what its differences count.
+  void weigh(const std::vector<Steady>& parts, LoggedCommand& found) const {
+    const Eigen::VectorXd noise = noise_in(parts);
+    Eigen::VectorXd way = Eigen::VectorXd::Zero(axes_);
+    for (const LoggedCommand::Leg& leg : found.legs) way = way.cwiseMax(leg.way.cwiseAbs());
+    found.weights = Eigen::VectorXd::Zero(axes_);
+    double squares = 0.0, told_apart = 0.0;
+    for (Eigen::Index a = 0; a < axes_; ++a) {
+      if (way(a) < least_way * way.maxCoeff()) continue;
+      const double least = std::max(noise(a), least_noise * found.step);
+      squares += noise(a) * noise(a), told_apart += least * least;
+      found.weights(a) = 1.0 / least;
+    }
+    const auto moving = static_cast<double>(found.axes());
+    found.noise = std::sqrt(squares / moving);
+    found.weights *= std::sqrt(told_apart / moving);
   }
 
   [[noreturn]] static void too_short(int from, int to) {
@@ -193,7 +230,7 @@ class Finder {
   Eigen::Index axes_;
   Eigen::MatrixXd at_;
   Eigen::VectorXd start_, end_;
-  double way_ = 0.0, threshold_ = 0.0;
+  double way_ = 0.0, resolution_ = 0.0, threshold_ = 0.0;
   int first_ = 0, last_ = 0;
 };
 

@@ -22,8 +22,15 @@ struct LoggedCommand {
   int moving_first = 0, moving_last = 0;  ///< samples between which the axes move
   double step = 0.0;                      ///< m, of a sample of the faster leg
   int longest_ramp = 0;                   ///< samples from rest to constant speed or back, at most
-  /// m, standard deviation of the positions of an axis, as differences show it at rest and at constant speed
+  /// m, standard deviation of the positions of an axis, as differences show it at rest and at constant speed: the root
+  /// of the mean square of the axes that move
   double noise = 0.0;
+  /// By axis, in inverse proportion to its noise: differences times these have one standard deviation. 0: the axis
+  /// rests, and tells nothing of a filter.
+  Eigen::VectorXd weights;
+
+  /// Axes that tell something.
+  long axes() const { return (weights.array() > 0.0).count(); }
 };
 
 /// @throws std::invalid_argument as `identify`

@@ -73,10 +73,9 @@ struct FeedOverride {
 /// Settings of a control for one program. The kinds of the chosen settings are those of every block's end.
 struct ProgramSettings {
   ChosenSettings chosen;
-  double width = 0.0;             ///< m, the in-position width that was planned with; 0: none
-  long members = 0, tried = 0;    ///< settings that the families have; of these planned
-  bool complete = false;          ///< none of the others can be faster
-  std::optional<double> today{};  ///< s, of the same program with today's setting, if it is known and holds all limits
+  double width = 0.0;           ///< m, the in-position width that was planned with; 0: none
+  long members = 0, tried = 0;  ///< settings that the families have; of these planned
+  bool complete = false;        ///< none of the others can be faster
   /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
   /// more than `several_plans_max` blocks, or after the deadline.
   std::optional<double> free_taps{};
@@ -169,7 +168,8 @@ struct ProgramResult {
   std::int64_t peak_memory = 0;             ///< bytes of the process, by whoever runs it; 0: not asked for
   std::vector<PlanTime> candidates;         ///< plans that were made beside this one
   std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
-  bool has_today = false;                   ///< today's setting was planned, too
+  std::optional<double> today;              ///< s, of the program with today's setting of the control, if that was
+                                            ///< planned, too; unlimited: no plan with it holds all limits
   std::string taps_control;             ///< title of the task's control if it takes the taps of plan fixed; else empty
   std::string compensation;             ///< why arcs that were to be widened are not; empty: nothing to say
   std::vector<AxisLoad> loads;          ///< of the axes that have a mass or damping; of programs of up to
@@ -273,7 +273,6 @@ void emit_program(const ProgramResult& result, std::ostream& out);
 struct ProgramFilter {
   std::optional<Filter> filter;             ///< none when no candidate holds the limits; the reason is in the message
   std::optional<ProgramSettings> settings;  ///< of a control, which these are
-  std::optional<ProgramSettings> today;     ///< today's filter, with the width that suits it
   SolverReport solver;
   std::string message;
   bool designed = false;  ///< for this program, not given

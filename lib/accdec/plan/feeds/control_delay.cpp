@@ -18,15 +18,15 @@ bool runs_on(const ControlDelays& control) {
   return !control.any() && !control.names(DelayKind::exact_stop) && !control.names(DelayKind::in_position);
 }
 
+bool limits_taps(const ControllerSettings& control) {
+  return !control.names_family() && !control.any_delay() &&
+         (control.names(DelayKind::in_position) || control.names(DelayKind::corner_feed));
+}
+
 void require_planned_taps(const ControllerSettings& control) {
-  if (!control.names(SettingFamily::taps)) return;
-  if (control.names_family())
+  if (control.names(SettingFamily::taps) && control.names_family())
     throw std::invalid_argument(
         "[design] family names \"taps\" beside others; a program is planned with \"taps\" alone or with the others");
-  if (!control.any_delay() && (control.names(DelayKind::in_position) || control.names(DelayKind::corner_feed)))
-    throw std::invalid_argument(
-        "[controller] delays: free taps of a program are delayed by \"dwell\", \"timed-axis\", \"continuous\" and "
-        "\"exact-stop\"; for \"in-position\" and \"corner-feed\" give [design] family = \"averages\"");
 }
 
 double corner_feed_step_of(const std::optional<ControllerSettings>& settings) {

@@ -19,7 +19,10 @@ ControlDelays control_of(const ControllerSettings& settings, double width);
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.
 bool runs_on(const ControlDelays& control);
 
-/// @throws std::invalid_argument for free taps beside other families, and with delays that only tasks of corners have
+/// Whether a control of free taps has only some delays: one in-position width, or lower feeds at corners.
+bool limits_taps(const ControllerSettings& control);
+
+/// @throws std::invalid_argument for free taps beside other families
 void require_planned_taps(const ControllerSettings& control);
 
 /// The part of both feeds of whose multiples corner feeds are; 0 if the control has none.

@@ -7,13 +7,13 @@
 namespace accdec {
 
 /// The answer for the user of a control: what to set, the time and what was looked at, the saving against today.
-/// @param time  s, of the plan  @param has_today  whether the task names today's setting
-std::string program_settings_answer(const ProgramSettings& settings, double time, bool has_today);
+/// @param result  with settings; of its plan, the time
+std::string program_settings_answer(const ProgramResult& result);
 
 /// The title of a task's control that takes free taps, for ProgramResult::taps_control; empty for others.
 std::string control_of_taps(const Task& task);
 
-/// The answer for a control that takes the taps of plan fixed. @param result  its delays and time
+/// The answer for a control that takes the taps of plan fixed. @param result  its delays and times
 std::string program_taps_answer(const ProgramResult& result);
 
 /// The answer of a program's result, a line: settings, or the taps that a control takes. Empty for a plan that does not

@@ -155,26 +155,28 @@ class MemberSearch {
 
 }  // namespace
 
-SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
-                                        const std::function<void(const std::string&)>& tell) {
-  const Deadline for_today(std::max(0.05, 0.5 * deadline.left()) + deadline.left());
+std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const Task& task, bool keep,
+                                                    const Deadline& deadline,
+                                                    const std::function<void(const std::string&)>& tell) {
   const SettingsTrials trials(path, task, keep, deadline);
-  SettingsForProgram result;
-  const std::optional<FilterSpec>& today = task.filter ? task.filter : task.baseline;
-  result.best = MemberSearch(task, trials, deadline, tell).run(today ? &*today : nullptr);
-  if (!today) return result;
-  const Filter filter = make_filter(*today);
-  const SettingsTrials again(path, task, keep, for_today);
-  const TimedSetting time = again.plan(filter, again.guess(filter), true);
-  if (!(time.samples < unlimited)) return result;
-  ProgramSettings now{.chosen = {.filter = *today}, .width = time.width};
-  result.today = std::move(now);
-  return result;
+  return MemberSearch(task, trials, deadline, tell).run(todays_filter(task));
 }
 
-namespace {
+const FilterSpec* todays_filter(const Task& task) {
+  if (task.filter && task.settings && task.settings->names_family()) return &*task.filter;
+  return task.baseline ? &*task.baseline : nullptr;
+}
 
-/// The first corner that must be passed exactly (G61), by its line, where the control runs on at every corner.
+double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
+                         const Deadline& deadline) {
+  if (task.settings->any_delay() || !task.settings->names(DelayKind::in_position)) return 0.0;
+  const SettingsTrials trials(path, task, keep, deadline);
+  const SettingsTrials::Guess guess = trials.guess(filter);
+  const TimedSetting time = trials.plan(filter, guess, true);
+  // For want of a plan that holds: a slower plan with the guess may.
+  return time.samples < unlimited ? time.width : guess.best.width;
+}
+
 std::string corner_without_stop(const Toolpath& path, const Task& task) {
   if (!runs_on(control_of(*task.settings, 0.0))) return "";
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
@@ -187,20 +189,17 @@ std::string corner_without_stop(const Toolpath& path, const Task& task) {
   return "";
 }
 
-}  // namespace
-
 ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
   ProgramFilter result;
   result.message = corner_without_stop(path, task);
   if (!result.message.empty()) return result;
-  const SettingsForProgram found = settings_for_program(path, task, keep, deadline, tell);
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, keep, deadline, tell);
   result.solver.method = "settings planned one by one";
   result.solver.name = "families";
   result.solver.wall_time = seconds_since(start);
-  result.today = found.today;
-  if (!found.best) {
+  if (!found) {
     result.message = fmt::format("no setting of {} that was planned holds all limits of the program",
                                  families_in_words(*task.settings));
     constexpr double seconds = 2.0;
@@ -212,9 +211,9 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
           "feeds: use --feeds choose, or name a kind that waits: exact-stop, in-position, dwell, timed-axis";
     return result;
   }
-  result.settings = found.best;
-  result.solver.evaluations = found.best->tried;
-  result.filter = make_filter(found.best->chosen.filter);
+  result.settings = found;
+  result.solver.evaluations = found->tried;
+  result.filter = make_filter(found->chosen.filter);
   return result;
 }
 
@@ -226,9 +225,21 @@ std::string beside_free_taps(double free, double time) {
   return fmt::format(" Free taps would take {:.6g} s ({:.1f} % less) or less.", free, 100.0 * less / time);
 }
 
+std::string beside_today(const ProgramResult& result) {
+  if (!result.today) return "";
+  const double today = *result.today, saved = today - result.cycle_time;
+  if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
+  std::string text = fmt::format(" Today's setting takes {:.6g} s; ", today);
+  if (saved > 1e-9 * today)
+    return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
+  return text + "retuning saves nothing.";
+}
+
 }  // namespace
 
-std::string program_settings_answer(const ProgramSettings& settings, double time, bool has_today) {
+std::string program_settings_answer(const ProgramResult& result) {
+  const ProgramSettings& settings = *result.settings;
+  const double time = result.cycle_time;
   std::string text = fmt::format("Set these: {}", settings_in_words(settings.chosen));
   if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
   for (const DelayKindName& kind : delay_kinds) {
@@ -237,21 +248,15 @@ std::string program_settings_answer(const ProgramSettings& settings, double time
       text += fmt::format("; {} at {} joint{}", kind.name, count, count == 1 ? "" : "s");
   }
   text += fmt::format(". {:.6g} s for this program, ", time);
-  text += settings.complete
-              ? fmt::format("no other of {} settings is planned faster.", settings.members)
-              : fmt::format("the fastest of {} settings planned, of {}{}.", settings.tried, settings.members,
-                            settings.members >= SettableMembers::most ? " or more" : "");
+  if (settings.chosen.family == SettingFamily::taps)
+    text += "not proved best.";
+  else
+    text += settings.complete
+                ? fmt::format("no other of {} settings is planned faster.", settings.members)
+                : fmt::format("the fastest of {} settings planned, of {}{}.", settings.tried, settings.members,
+                              settings.members >= SettableMembers::most ? " or more" : "");
   if (settings.free_taps) text += beside_free_taps(*settings.free_taps, time);
-  if (settings.today) {
-    const double saved = *settings.today - time;
-    text += fmt::format(" Today's setting takes {:.6g} s; ", *settings.today);
-    text += saved > 1e-9 * *settings.today
-                ? fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / *settings.today)
-                : "retuning saves nothing.";
-  } else if (has_today) {
-    text += " No plan with today's setting holds all limits.";
-  }
-  return text + "\n";
+  return text + beside_today(result) + "\n";
 }
 
 std::string control_of_taps(const Task& task) {
@@ -261,13 +266,14 @@ std::string control_of_taps(const Task& task) {
 std::string program_taps_answer(const ProgramResult& result) {
   return fmt::format(
       "Set these: the {} taps that `accdec export` writes from the result; {} delay{} as `--emit` writes them. "
-      "{:.6g} s for this program, not proved best.\n",
-      result.plan.set().order() + 1, result.delayed, result.delayed == 1 ? "" : "s", result.cycle_time);
+      "{:.6g} s for this program, not proved best.{}\n",
+      result.plan.set().order() + 1, result.delayed, result.delayed == 1 ? "" : "s", result.cycle_time,
+      beside_today(result));
 }
 
 std::string program_answer(const ProgramResult& result) {
   if (!result.verification.feasible) return "";
-  if (result.settings) return program_settings_answer(*result.settings, result.cycle_time, result.has_today);
+  if (result.settings) return program_settings_answer(result);
   return result.taps_control.empty() || result.plan.command() == nullptr ? "" : program_taps_answer(result);
 }
 

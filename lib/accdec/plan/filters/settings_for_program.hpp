@@ -12,12 +12,9 @@
 
 namespace accdec {
 
-/// The settings with which a program takes the least time, and what was looked at.
-struct SettingsForProgram {
-  std::optional<ProgramSettings> best;   ///< none: no setting that was planned holds all limits
-  std::optional<ProgramSettings> today;  ///< today's filter with its best in-position width, if the task names one
-};
-
+/// The settings with which a program takes the least time, and what was looked at. None: no setting that was planned
+/// holds all limits.
+///
 /// Guesses the time of the program with members of the families that the task's settings name, and plans the best
 /// guesses. A guess has every corner by itself, with the in-position width that suits them together. First come members
 /// all over the families and steps around the best of them that are halved. The best guesses are planned, then steps
@@ -28,11 +25,26 @@ struct SettingsForProgram {
 /// @param keep      at the programmed feeds; else feeds are chosen
 /// @param deadline  ends the search
 /// @param tell      one line a step, may be empty
-SettingsForProgram settings_for_program(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
-                                        const std::function<void(const std::string&)>& tell);
+std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const Task& task, bool keep,
+                                                    const Deadline& deadline,
+                                                    const std::function<void(const std::string&)>& tell);
 
 /// The same as a filter for the program; without settings, the message says so.
 ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
                               const std::function<void(const std::string&)>& tell);
+
+/// Why the control cannot pass the program's corners: the first one that must be passed exactly (G61), by its line,
+/// where the control runs on at every corner. Empty: it can.
+std::string corner_without_stop(const Toolpath& path, const Task& task);
+
+/// The filter that a task's control has today; null if the task names none. A given filter of free taps is the
+/// result's.
+const FilterSpec* todays_filter(const Task& task);
+
+/// The in-position width, m, with which the program takes the least time with a given filter; 0 if the control has
+/// none.
+/// @param task  with settings
+double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
+                         const Deadline& deadline);
 
 }  // namespace accdec

@@ -310,6 +310,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   recorded.erase("settings");
   const Json answer = recorded.contains("answer") ? recorded["answer"] : Json();  // older results have none
   recorded.erase("answer");
+  recorded.erase("today_s");
   const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
   Comparison comparison(recorded, again, skip, found, record.schema);
   add_complete(recorded, record.result);
@@ -334,6 +335,8 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   if (record.result.settings) {
     for (const char* name : {"members", "tried", "complete", "free_taps_s", "today_s"})
       differences.skipped.push_back(std::string("settings.") + name);
+  } else if (record.result.today) {
+    differences.skipped.emplace_back("today_s");
   }
   return differences;
 }

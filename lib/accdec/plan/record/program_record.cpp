@@ -45,6 +45,7 @@ class Reader {
     }
     read_summary();
     if (json_.has("settings")) read_program_settings(json_["settings"], r);
+    read_program_today(json_, r);
     if (json_.has("inputs")) read_inputs(json_["inputs"]);
     record_.commands = json_.has("commands") && json_.has("inputs");
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);

@@ -96,6 +96,7 @@ std::string program_to_json(const ProgramResult& result, const ProgramInputs& in
   while (!text.empty() && text.back() == '\n') text.pop_back();
   // A line each, not a line a number.
   if (result.settings) text += ",\n  \"settings\": " + program_settings_to_json(result).dump();
+  if (!result.settings && result.today) text += ",\n  \"today_s\": " + program_today_json(result).dump();
   if (!result.settings && !program_answer(result).empty())
     text += ",\n  \"answer\": " + Json(program_answer(result)).dump(-1, ' ', false, Json::error_handler_t::replace);
   text += ",\n  \"inputs\": " + inputs_json(inputs).dump(-1, ' ', false, Json::error_handler_t::replace);

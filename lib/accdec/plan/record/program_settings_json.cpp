@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
@@ -38,10 +39,17 @@ void read_impulses(double sample_period, ChosenSettings& chosen) {
 
 }  // namespace
 
+Json program_today_json(const ProgramResult& result) {
+  return *result.today < unlimited ? Json(*result.today) : Json(nullptr);
+}
+
+void read_program_today(const Value& json, ProgramResult& result) {
+  if (json.json().contains("today_s")) result.today = json["today_s"].optional_number().value_or(unlimited);
+}
+
 Json program_settings_to_json(const ProgramResult& result) {
   const ProgramSettings& settings = *result.settings;
-  Json json{{"answer", program_settings_answer(settings, result.cycle_time, result.has_today)},
-            {"family", to_string(settings.chosen.family)}};
+  Json json{{"answer", program_settings_answer(result)}, {"family", to_string(settings.chosen.family)}};
   json["values"] = Json::array();
   for (const Setting& setting : settings.chosen.values)
     json["values"].push_back({{"name", setting.name}, {"value", setting.value}, {"unit", setting.unit}});
@@ -50,11 +58,13 @@ Json program_settings_to_json(const ProgramResult& result) {
     json["width_low_m"] = settings.chosen.width->low;
     json["width_high_m"] = settings.chosen.width->high < unlimited ? Json(settings.chosen.width->high) : Json(nullptr);
   }
-  json["members"] = settings.members;
-  json["tried"] = settings.tried;
-  json["complete"] = settings.complete;
+  if (settings.chosen.family != SettingFamily::taps) {
+    json["members"] = settings.members;
+    json["tried"] = settings.tried;
+    json["complete"] = settings.complete;
+  }
   if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
-  if (result.has_today) json["today_s"] = settings.today ? Json(*settings.today) : Json(nullptr);
+  if (result.today) json["today_s"] = program_today_json(result);
   if (!settings.chosen.delays.empty() && result.plan.path.blocks() <= recorded_blocks_max) {
     json["delays"] = Json::array();
     for (const DelayKind kind : settings.chosen.delays) json["delays"].push_back(to_string(kind));
@@ -66,17 +76,21 @@ void read_program_settings(const Value& json, ProgramResult& result) {
   ProgramSettings& settings = result.settings.emplace();
   const auto family = setting_family_from_string(json["family"].text());
   if (!family) json["family"].fail("is no family of settings");
+  if (*family == SettingFamily::taps) {
+    if (result.plan.command() == nullptr) json["family"].fail("is of plan fixed");
+    settings.chosen = as_settings(result.plan.set());
+  } else {
+    settings.members = json["members"].integer<long>();
+    settings.tried = json["tried"].integer<long>();
+    settings.complete = json["complete"].boolean();
+  }
   settings.chosen.family = *family;
   for (const Value& value : json["values"].elements())
     settings.chosen.values.push_back({value["name"].text(), value["value"].number(), value["unit"].text()});
   read_impulses(result.sample_period, settings.chosen);
   settings.chosen.width = width_of(json);
-  settings.members = json["members"].integer<long>();
-  settings.tried = json["tried"].integer<long>();
-  settings.complete = json["complete"].boolean();
   if (json.has("free_taps_s")) settings.free_taps = json["free_taps_s"].number();
-  result.has_today = json.json().contains("today_s");
-  if (result.has_today) settings.today = json["today_s"].optional_number();
+  read_program_today(json, result);
   if (json.has("delays")) {
     for (const Value& word : json["delays"].elements()) {
       const auto kind = delay_kind_from_string(word.text());
@@ -84,7 +98,7 @@ void read_program_settings(const Value& json, ProgramResult& result) {
       settings.chosen.delays.push_back(*kind);
     }
   }
-  if (json["answer"].text() != program_settings_answer(settings, result.cycle_time, result.has_today))
+  if (json["answer"].text() != program_settings_answer(result))
     json["answer"].fail("is not what the other members say");
 }
 

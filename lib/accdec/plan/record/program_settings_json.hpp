@@ -12,6 +12,10 @@
 
 namespace accdec {
 
+/// The time with today's setting, null if no plan with it holds. @param result  with today
+nlohmann::ordered_json program_today_json(const ProgramResult& result);
+void read_program_today(const Value& json, ProgramResult& result);
+
 /// @param result  with settings
 nlohmann::ordered_json program_settings_to_json(const ProgramResult& result);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <accdec/gcode/number.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/dialect_words.hpp>
 
 namespace accdec {
@@ -16,7 +17,8 @@ DialectWords::DialectWords(const ProgramResult& result, bool wanted) : period_(r
 }
 
 void require_dialect(const ControllerSettings& control) {
-  if (!control.from_file || !control.names_family() || control.dialect != nullptr) return;
+  const bool told = control.names_family() || limits_taps(control);
+  if (!control.from_file || !told || control.dialect != nullptr) return;
   throw std::invalid_argument(
       fmt::format("--emit: no source says which words {} takes for its corners; leave it out, or name a controller's "
                   "`file` of your own that has `delay_words` and [dialect]",

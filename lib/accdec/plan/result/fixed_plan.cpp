@@ -7,10 +7,12 @@
 
 #include <fmt/format.h>
 
+#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/program.hpp>
@@ -28,15 +30,10 @@ double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
   return options.time_limit ? std::max(0.05, 0.5 * std::min(*options.time_limit, options.deadline.left())) : usual;
 }
 
-/// The task's filter, the filter in a program that --emit wrote, or one designed for the program. None if none holds;
-/// the message gives the reason.
-ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
-                                 const std::function<void(const std::string&)>& tell) {
-  const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
-  if (task.settings && task.settings->names_family() && !emitted_one) {
-    const Deadline until = options.deadline.within(filter_seconds(path, options));
-    return settings_filter(path, task, options.fixed.feeds == Feeds::keep, until, tell);
-  }
+/// The task's filter, the filter in a program that --emit wrote, or one designed for the program with any delays. None
+/// if none holds; the message gives the reason.
+ProgramFilter taps_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                               const Tell& tell) {
   if (task.filter) {
     ProgramFilter given;
     given.filter = make_filter(*task.filter);
@@ -56,6 +53,27 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
                                : design_filter_for_feeds(path, task, limit, tell, options.deadline);
   designed.designed = true;
   return designed;
+}
+
+/// As taps_for_program; settings if the task's control has families, and for taps whose control has only some delays.
+ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                                 const Tell& tell) {
+  const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
+  const bool keep = options.fixed.feeds == Feeds::keep;
+  const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
+  if (task.settings && task.settings->names_family() && !emitted_one)
+    return settings_filter(path, task, keep, until(), tell);
+  if (!task.settings || !limits_taps(*task.settings) || emitted_one) return taps_for_program(path, task, options, tell);
+  ProgramFilter choice;
+  choice.message = corner_without_stop(path, task);
+  if (!choice.message.empty()) return choice;
+  Task any = task;
+  any.settings.reset();
+  choice = taps_for_program(path, any, options, tell);
+  if (choice.filter)
+    choice.settings = {.chosen = as_settings(*choice.filter),
+                       .width = width_for_program(path, task, *choice.filter, keep, until())};
+  return choice;
 }
 
 /// The delays that the task's control has.
@@ -123,11 +141,11 @@ std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolp
   return best;
 }
 
-/// Adds the settings, with how the control gives the delays, and the times that today's setting and free taps take.
-/// @param programmed  empty: neither is planned
-void say_settings(ProgramResult& result, const ProgramFilter& choice, const Toolpath& programmed, const Task& task,
-                  const ProgramFileOptions& options) {
+/// Adds the settings, with how the control gives the delays.
+void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task& task) {
   result.settings = choice.settings;
+  if (choice.settings->chosen.family == SettingFamily::taps && !result.plan.empty())
+    result.settings->chosen = as_settings(result.plan.set());  // of the plan at kept feeds, if that is the answer
   result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
   if (result.plan.empty()) return;
   const FilteredCommand& command = *result.plan.command();
@@ -138,18 +156,21 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Tool
   result.plan.path.control.width = delays.width ? delays.width->middle() : 0.0;
   const Machine machine = program_machine(task.machine, result.plan.path);
   result.raised = raised_delays(result.plan.path, command.filter, task.sample_period, machine, command.delays);
-  if (programmed.blocks() == 0 || options.deadline.over()) return;
-  if (choice.today) {
-    Toolpath path = programmed;
-    path.control = control_of(*task.settings, choice.today->width);
-    const ProgramResult today = run_program(result.program, std::move(path), make_filter(choice.today->chosen.filter),
-                                            task, false, options.fixed.feeds, options.deadline);
-    // A plan that was cut short says little of the setting.
-    if (options.deadline.over()) return;
-    result.has_today = true;
-    if (today.verification.feasible) result.settings->today = today.cycle_time;
-  }
-  if (!options.deadline.over()) result.settings->free_taps = time_of_free_taps(result, programmed, task, options);
+}
+
+/// Adds the time that the program takes with today's setting of the task's control, if the task names one.
+void say_today(ProgramResult& result, const Toolpath& programmed, const Task& task, const ProgramFileOptions& options) {
+  const FilterSpec* const today = todays_filter(task);
+  if (today == nullptr || options.deadline.over()) return;
+  const Filter filter = make_filter(*today);
+  const Deadline until = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
+  Toolpath path = programmed;
+  path.control = control_of(*task.settings,
+                            width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
+  const ProgramResult plan =
+      run_program(result.program, std::move(path), filter, task, false, options.fixed.feeds, options.deadline);
+  // A plan that was cut short says little of the setting.
+  if (!options.deadline.over()) result.today = plan.verification.feasible ? plan.cycle_time : unlimited;
 }
 
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
@@ -160,7 +181,8 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
   const bool kept = options.fixed.feeds == Feeds::choose && choice.designed &&
                     file.path.blocks() <= several_plans_max &&
                     (!options.fixed.compensate_arcs || file.path.arcs.empty());
-  const Toolpath programmed = choice.settings && file.path.blocks() <= several_plans_max ? file.path : Toolpath{};
+  const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
+  const Toolpath programmed = says ? file.path : Toolpath{};
   const auto plan = [&](Toolpath path, Feeds feeds) {
     set_control(path, task, choice);
     return run_program(name, std::move(path), *choice.filter, task, options.fixed.filter_bound, feeds,
@@ -189,11 +211,16 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
       file.reading = again.reading;
     }
   }
-  if (choice.settings) say_settings(result, choice, programmed, task, options);
   result.solver = choice.solver;
   result.solver.wall_time += planning;
-  result.kept_same_filter = choice.designed || choice.settings;
+  const bool families = choice.settings && task.settings->names_family();
+  result.kept_same_filter = choice.designed || families;
   if (kept && !options.deadline.over()) offer_kept(name, file, std::move(straight), task, options, result);
+  if (choice.settings) say_settings(result, choice, task);
+  if (result.plan.empty() || !says) return result;
+  say_today(result, programmed, task, options);
+  if (families && !options.deadline.over())
+    result.settings->free_taps = time_of_free_taps(result, programmed, task, options);
   return result;
 }
 
@@ -207,7 +234,7 @@ std::string compensation_note(const ProgramResult& plain, const ProgramResult& w
 
 /// With the filter that suits the program as it was read.
 ProgramResult choose_and_plan(const std::string& name, ProgramFile& file, const Task& task,
-                              const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+                              const ProgramFileOptions& options, const Tell& tell) {
   const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;

@@ -342,10 +342,10 @@ ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& t
   if (path.contour_max < unlimited)
     throw std::invalid_argument("plan profiles does not consider [program] contour_max_um; --plan fixed does");
   const auto start = std::chrono::steady_clock::now();
-  if (task.settings && task.settings->names_family()) {
+  if (task.settings && (task.settings->names_family() || limits_taps(*task.settings))) {
     throw std::invalid_argument(
         "plans profiles and free give every sample a position, and the task's control has one filter for the whole "
-        "program ([design] family, or the controller's); use --plan fixed, or leave the family out");
+        "program ([design] family, [controller] delays, or the controller's); use --plan fixed, or leave it out");
   }
   if (!path.given_delays.empty()) {
     throw std::invalid_argument(

@@ -8,6 +8,7 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/used_limits.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
 #include <accdec/plan/result/verify_path.hpp>
@@ -103,10 +104,16 @@ class CommandCheck {
 
   void check_filter() {
     const bool families = task_.settings && task_.settings->names_family();
-    if (result_.settings && !families) return wrong("settings are recorded, the task asks for none");
+    const bool taps = task_.settings && limits_taps(*task_.settings);
+    if (result_.today.value_or(unlimited) < result_.lower_bound * (1.0 - rounding))
+      wrong("today_s is below the bound of any motion");
+    if (result_.settings && !families && !taps) return wrong("settings are recorded, the task asks for none");
+    if (result_.settings && taps && result_.settings->chosen.family != SettingFamily::taps)
+      return wrong("the task's control takes taps, another family is recorded");
     if (result_.settings && result_.settings->free_taps.value_or(unlimited) < result_.lower_bound * (1.0 - rounding))
       wrong("settings.free_taps_s is below the bound of any filter");
-    if (result_.settings) return compare_setting(task_, result_.settings->chosen, command_.set(), report_.reasons);
+    if (result_.settings && families)
+      return compare_setting(task_, result_.settings->chosen, command_.set(), report_.reasons);
     // Else the program brought its filter along, or the task gives it.
     if (families || !task_.filter) return;
     const Filter given = make_filter(*task_.filter);
