@@ -139,6 +139,8 @@ CHECKS = {"enumeration": enumeration, "branch and bound": branch_and_bound, "fam
 def check_by_what_is_known(text):
     try:
         result = parse(text.removeprefix("\ufeff"))  # a byte order mark
+        if result.get("settings") is not None and util.find_spec("more"):
+            import_module("more")
         refuse_if(result.get("certificate") is None, "there is no certificate")
         right = result["schema"] == "accdec.result/1" and result["status"] in ("optimal", "feasible", "infeasible")
         refuse_if(not right, f"the status {result['status']!r}, or the result's schema", NotCovered)

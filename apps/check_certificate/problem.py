@@ -102,8 +102,7 @@ def directions(table, axes):
 
 def allowed(table, key):
     """A distance or residual that a verification would take for held; None if it is not limited."""
-    scale = 10**6 if key.endswith("um") else 1
-    least = FLOOR / 1000 if key.endswith("um") else FLOOR / 10
+    scale, least = (10**6, FLOOR / 1000) if key.endswith("um") else (1, FLOOR / 10)
     return max(number(table[key]) / scale * WIDER, FLOOR) + least if key in table else None
 
 
@@ -120,9 +119,8 @@ def read_corner(table, axes):
 
 
 def read_mode(table):
-    ranges = [end if isinstance(end, list) else [end, end]
-              for end in (table["frequency_Hz"], table.get("damping_ratio", 0))]
-    low, high, least, most = (number(x) for ends in ranges for x in ends)
+    ends = table["frequency_Hz"], table.get("damping_ratio", 0)
+    low, high, least, most = (number(x) for end in ends for x in (end if isinstance(end, list) else [end, end]))
     refuse_if(not 0 <= least <= most < 1, "a damping ratio is out of range")
     return Mode(low, high, least, most, allowed(table, "residual_max"))
 

@@ -32,8 +32,13 @@ class Families(unittest.TestCase):
         refused(lambda r: r["certificate"]["refuted"].pop(), "counts")
         refused(lambda r: r.update(lower_bound_s=0.043), "proves less")
         refused(lambda r: r["task"]["corner"][0].update(error_max_um=80), "not refuted")
-        refused(lambda r: r["task"]["design"].update(length_step_ms=2), "counts")
+        refused(lambda r: r["task"]["design"].update(length_step_ms=2), "not those of the settings")
         refused(lambda r: r["task"]["design"].pop("family"), "names none")
+        refused(lambda r: r["settings"]["values"][0].update(value=16.0), "not those of the settings")
+        refused(lambda r: r["settings"].update(family="gaussian"), "not those of the settings")
+        taps = good["filter"]["taps"]
+        refused(lambda r: r["filter"].update(taps=[(a + b) / 2 for a, b in zip(taps, taps[1:] + taps[:1])]),
+                "not those of the settings")
 
     def test_shapers(self):
         text = (ROOT / "problems/corner/vibration-band.toml").read_text(encoding="utf-8")

@@ -208,6 +208,26 @@ TEST(FreeTapsOfControls, NameTheLimitThatTheirDelaysCannotHold) {
   EXPECT_THAT(slows.message, HasSubstr("corner error B"));
 }
 
+/// One corner's delay is given. With the delays of the others free, the search ran to its time limit.
+TEST(FreeTapsOfControls, AGivenDelayIsRefutedBesideFreeOnes) {
+  std::string text =
+      "sample_period_ms = 1\n[design]\norder_max = 60\n[controller]\ndelays = \"dwell\"\n[[axis]]\n"
+      "acceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n";
+  for (const char* const corner :
+       {"name = \"A\"\nangle_deg = 90\nerror_max_um = 20\ndelay_samples = 12\n",
+        "name = \"B\"\nangle_deg = 60\nerror_max_um = 80\n", "name = \"C\"\nangle_deg = 120\nerror_max_um = 40\n",
+        "name = \"D\"\nangle_deg = 75\nheading_deg = 50\nerror_max_um = 60\n"})
+    text += std::string("[[corner]]\nfeed_in_mm_min = 6000\n") + corner;
+  DesignOptions options;
+  options.time_limit = 20.0;  // it takes 20 ms
+  const DesignResult result = design_task(parse_task(text, "task"), options);
+  EXPECT_EQ(result.status, Status::infeasible) << result.message;
+  EXPECT_THAT(result.message, HasSubstr("corner error A, delay of corner A"));
+  for (const char* const other : {"corner error B", "corner error C", "corner error D"})
+    EXPECT_THAT(result.message, Not(HasSubstr(other)));
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+}
+
 /// A stop of 3 samples takes a filter of 3 at most, and the acceleration needs 17 taps.
 TEST(FreeTapsOfControls, SayWhichFiltersGivenStopsNeed) {
   Task task = two_corners("[controller]\ndelays = \"exact-stop\"\n", 500.0, 500.0);

@@ -1,3 +1,4 @@
 """What no shipped proof uses: kinds of tasks, limits, rows, nodes and filters that are added to the tables of the core,
-and functions that take the place of functions of the core. Imported once something is not known there."""
-from more import contradictions, corner_feeds, families, members, rows, tasks, tree  # noqa: F401
+and functions that take the place of functions of the core. Imported once something is not known there, and for
+settings."""
+from more import contradictions, corner_feeds, families, members, rows, settings, tasks, tree  # noqa: F401

@@ -1,0 +1,36 @@
+"""Settings that a result names: a member of their family has its taps."""
+from functools import reduce
+
+import claim
+import families
+from enclosure import exact, number, refuse_if
+from more.widening import widens
+from problem import ROUNDING, convolved
+
+
+def made_by(said, problem, design, taps):
+    """Filters that are all the recorded one: of a member of the family, and for averages of the values to enter."""
+    family = said["family"]
+    if family == "taps":
+        return [[exact(said["filter"]["taps"])]]
+    members = map(exact, families.LISTS[family](families.Members(problem, design, len(taps.lo))))
+    if family != "averages":
+        return [members]
+    unit = {"s": problem.period, "ms": problem.period * 1000}
+    lengths = (max(1, round(number(value["value"]) / unit[value["unit"]])) for value in said["values"])
+    return [members, [reduce(convolved, (exact([1] * length) for length in lengths), exact([1]))]]
+
+
+@widens(claim, "recorded")
+def recorded(narrow, result, problem):
+    found, said = narrow(result, problem), result.get("settings")
+    if said is None:
+        return found
+    taps = exact(result["filter"]["taps"])
+
+    def same(x):
+        return len(x.lo) == len(taps.lo) and not abs(x / x.total() - taps) > ROUNDING
+
+    ways = made_by(said, problem, result["task"].get("design", {}), taps)
+    refuse_if(not all(any(map(same, way)) for way in ways), "the taps are not those of the settings")
+    return found
