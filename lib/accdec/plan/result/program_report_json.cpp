@@ -21,8 +21,13 @@ Json number(double value) {
 Json limits_json(const ProgramResult& result) {
   Json list = Json::array();
   for (const LimitUse& use : result.check.limits) {
-    Json item{{"kind", to_string(use.kind)}, {"axis", use.axis},           {"line", use.line},
-              {"value", number(use.value)},  {"bound", number(use.bound)}, {"utilisation", number(use.utilisation)},
+    const double in_si = si_over_inside(use.kind, use.axis);
+    Json item{{"kind", to_string(use.kind)},
+              {"axis", use.axis},
+              {"line", use.line},
+              {"value", number(in_si * use.value)},
+              {"bound", number(in_si * use.bound)},
+              {"utilisation", number(use.utilisation)},
               {"sample", use.sample}};
     if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
