@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/machine/limit_unit.hpp>
+#include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>
@@ -110,7 +111,7 @@ void add_times(Json& json, const ProgramResult& result) {
   if (result.peak_memory > 0) json["peak_memory_bytes"] = result.peak_memory;
   json["control_must"] = control_needs(result);
   json["not_considered"] = Json::array();
-  for (const NotConsidered what : not_considered(result.task_machine))
+  for (const NotConsidered what : not_considered(moved_machine(result)))
     json["not_considered"].push_back(to_string(what));
   if (result.servo)
     json["servo"] = {{"settling_s", result.servo->settling},
