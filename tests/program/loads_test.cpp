@@ -26,6 +26,7 @@ namespace {
 
 using test::ProgramCommand;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Mass, viscous and dry friction on both axes.
 Task loaded_task() {
@@ -306,6 +307,18 @@ TEST_F(LoadsCommand, OfARotaryAxisAreTorques) {
   ASSERT_EQ(run("program turn.ngc --task turn.toml --json r.json --samples s.csv").code, 0) << read("err");
   ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
   EXPECT_THAT(read("s.csv"), HasSubstr("a_deg,a_deg_s"));
+  const auto result = nlohmann::ordered_json::parse(read("r.json"));
+  const double rad = std::acos(-1.0) / 180.0;
+  for (const auto& [kind, value, bound] :
+       {std::tuple("velocity", 100.0 * rad, 120.0 * rad), std::tuple("acceleration", 2000.0 * rad, 3000.0 * rad),
+        std::tuple("force", 0.8 * 2000.0 * rad, 60.0)}) {
+    const auto use = std::ranges::find_if(
+        result["limits"], [&, kind = kind](const auto& u) { return u["kind"] == kind && u["axis"] == "a"; });
+    ASSERT_NE(use, result["limits"].end()) << kind;
+    EXPECT_NEAR((*use)["value"].template get<double>(), value, 1e-8 * value) << kind;
+    EXPECT_NEAR((*use)["bound"].template get<double>(), bound, 1e-12 * bound) << kind;
+  }
+  EXPECT_NEAR(result["axis_loads"][0]["torque_peak_N_m"].get<double>(), 0.8 * 2000.0 * rad, 1e-6);
   run("program turn.ngc --task turn.toml");
   // 0.8 kg m^2 at 2000 deg/s^2
   EXPECT_THAT(read("out"), HasSubstr("27.9253          60 N m"));
@@ -338,6 +351,7 @@ TEST_F(LoadsCommand, FrictionOfARotaryAxisIsATorque) {
   std::snprintf(text, sizeof text, "%.6g          60 N m", torque);
   EXPECT_THAT(read("out"), HasSubstr(text));
   EXPECT_THAT(read("out"), HasSubstr("% of its rating"));
+  EXPECT_THAT(read("out"), Not(HasSubstr("thermal rating of the drive")));
   write("line.ngc", "G1 X90 F6000\nM2\n");
   EXPECT_EQ(run("program line.ngc --task turn.toml").code, 2);
   EXPECT_THAT(read("err"), HasSubstr("line.ngc:1:4: axis X is not among the axes of the task"));

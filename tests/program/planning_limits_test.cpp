@@ -70,6 +70,31 @@ TEST(PlanningLimits, ProgrammedFeedsHaveNoTimeWhereTheirPlanWasNotFinished) {
   EXPECT_FALSE(result.cycle_time_kept.has_value());
 }
 
+// A plan that held when the filter was chosen is made again without time for another.
+TEST(PlanningLimits, AKnownPlanIsKeptWhenTheTimeEnds) {
+  Task task;
+  task.sample_period = 1e-3;
+  task.machine = test::machine_of(4.0, 300.0, 0.5, 2);
+  for (Axis& axis : task.machine.axes)
+    axis.mass = 30.0, axis.damping = 100.0, axis.coulomb = 40.0, axis.force_max = 200.0;
+  task.machine.axes[0].servo_gain = 150.0, task.machine.axes[1].servo_gain = 120.0;
+  Toolpath path = test::path_of("G64 P0.06 F6000\nG1 X20\nG3 X20 Y20 J10\nG1 X0\nM2\n", task.machine);
+  path.contour_max = 80e-6;
+  const Filter filter = trapezoid(37, 13);
+  const ProgramResult whole = run_program("a", path, filter, task, false, Feeds::keep);
+  ASSERT_TRUE(whole.verification.feasible) << whole.message;
+  const Deadline over(-1.0);
+  const KnownPlan plan{whole.plan.path.duration, whole.plan.command()->delays};
+  const ProgramResult known = run_program("a", path, filter, task, false, Feeds::choose, over, plan);
+  EXPECT_TRUE(known.verification.feasible);
+  EXPECT_EQ(known.check.samples, whole.check.samples);
+  EXPECT_EQ(known.cycle_time_kept, known.cycle_time);
+  // A plan that does not hold is no candidate.
+  const KnownPlan wrong{plan.duration, std::vector<int>(plan.delays.size(), 0)};
+  const ProgramResult other = run_program("a", path, filter, task, false, Feeds::choose, over, wrong);
+  EXPECT_TRUE(other.verification.feasible) << other.message;
+}
+
 // An arc of 316 chords under a filter of 51 taps, which steps of the feed between them do not suit: mending it takes
 // minutes. Then every chord ends with a stop.
 TEST_F(ProgramCommand, APlanThatTheTimeLimitEndsStops) {

@@ -278,6 +278,25 @@ TEST_F(ServoCommand, OtherPlansAndOtherServosAreRefused) {
   EXPECT_THAT(read("err"), HasSubstr("--filter-bound is for motions without a servo"));
 }
 
+/// Only axes that the program moves count for what is left out.
+TEST_F(ServoCommand, OnlyMovedAxesLeaveAnythingOut) {
+  const std::string head =
+      "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 49\n[[axis]]\nname = \"x\"\n"
+      "servo_gain_1_s = 100\nmass_kg = 10\nforce_rms_N = 100\n[[axis]]\nname = \"y\"\n";
+  write("moved.toml", head);
+  write("x.ngc", "G21 G90 G64 P0.05\nG1 X0 Y0 F3000\nX90\nM2\n");
+  write("xy.ngc", "G21 G90 G64 P0.05\nG1 X0 Y0 F3000\nX90\nY10\nM2\n");
+  ASSERT_EQ(run("program x.ngc --task moved.toml --json r.json").code, 0) << read("err");
+  ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  EXPECT_EQ(nlohmann::ordered_json::parse(read("r.json"))["not_considered"].dump(), "[\"vibration\"]");
+  run("program x.ngc --task moved.toml");
+  EXPECT_THAT(read("out"), HasSubstr("ignored: vibration of the machine (the task has no [[mode]])\n"));
+  run("program xy.ngc --task moved.toml");
+  EXPECT_THAT(read("out"),
+              HasSubstr("following error and feedforward of the servo, thermal rating of the drive of axis "
+                        "y\n"));
+}
+
 TEST_F(ServoCommand, OvershootsAreInEveryOutput) {
   task("response_taps = [0.2, 0.5, 0.5, -0.1, -0.15, 0.05]\n");
   ASSERT_EQ(run("program part.ngc --task servo.toml --json r.json --emit e.ngc --samples s.csv --time-limit 10").code,

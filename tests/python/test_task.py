@@ -1,4 +1,5 @@
 """Tasks: from files, texts and keyword arguments, and back."""
+import math
 import os
 import pickle
 import subprocess
@@ -121,10 +122,32 @@ def test_a_force_speed_curve():
 def test_ratings_and_rotary_axes():
     axes = [{"name": "x", "mass": 34, "force_rms": 260}, {"name": "a", "velocity_max_deg_s": 120, "inertia_kg_m2": 0.8}]
     task = accdec.Task(sample_period=1e-3, axes=axes, program=True)
-    assert task.axes[0]["force_rms"] == 260.0 and task.axes[1]["velocity_max"] == 0.12
+    assert task.axes[0]["force_rms"] == 260.0
+    assert task.axes[1]["velocity_max"] == pytest.approx(math.radians(120), rel=1e-15)
+    assert task.axes[1]["inertia"] == 0.8 and "mass" not in task.axes[1]
+    assert task.replace(axes=task.axes).to_toml() == task.to_toml()
+    assert task.set("axis.a.velocity_max", math.pi).axes[1]["velocity_max"] == math.pi
+    with pytest.raises(accdec.InputError, match="axis a has `torque_max`"):
+        task.set("axis.a.force_max", 3.0)
+    with pytest.raises(accdec.InputError, match=r"did you mean `velocity_max`\?$"):
+        accdec.Task(sample_period=1e-3, axes=[axes[0], {"name": "a", "velocity_max_rad_s": 3.0}], program=True)
     assert "inertia_kg_m2 = 0.8" in task.to_toml()
     with pytest.raises(accdec.InputError, match="for rotary axes"):
         accdec.Task(sample_period=1e-3, axes={"name": "x", "jerk_max_deg_s3": 1.0}, program=True)
+
+
+def test_use_of_limits_of_rotary_axes_is_in_radians():
+    axes = [{"name": "x", "acceleration_max": 9.0},
+            {"name": "a", "velocity_max": math.pi, "inertia": 0.8, "torque_max": 60.0}]
+    task = accdec.Task(sample_period=1e-3, axes=axes, filter={"kind": "averages", "lengths": [40, 20]},
+                       corners={"direction_in": [1, 0], "direction_out": [0, 1], "feed_in": 0.1, "delay": 20})
+    uses = {(use["kind"], use["axis"]): use for use in accdec.evaluate(task).limits}
+    # 100 deg/s within 40 ms
+    assert uses["velocity", "a"]["value"] == pytest.approx(math.radians(100))
+    assert uses["velocity", "a"]["bound"] == pytest.approx(math.pi)
+    assert uses["force", "a"]["value"] == pytest.approx(0.8 * math.radians(2500))
+    assert uses["force", "a"]["bound"] == pytest.approx(60.0)
+    assert uses["acceleration", "x"]["value"] == pytest.approx(2.5)
 
 
 def test_writes_and_reads_files(tmp_path):

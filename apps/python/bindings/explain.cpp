@@ -87,7 +87,8 @@ result : Result
 proved : bool
     Its bound was rechecked: nothing is shorter, or no design exists.
 bindings : list of dict
-    Places where limits are used to the full: kind, axis, corner, event, samples, bound (SI), frequency_Hz.
+    Places where limits are used to the full: kind, axis, corner, event, samples, bound (as in
+    `Result.limits`), frequency_Hz.
 gains : list of dict
     Savings by more room, largest first: name, key, levers (name, key, value, relaxed), gain_s, gain_at_most_s (None:
     nothing is proved), objective_s, order, delays_samples, proved, solved.

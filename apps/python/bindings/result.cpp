@@ -8,6 +8,7 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/formats/certificate_json.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
@@ -80,9 +81,10 @@ py::list corners(const DesignResult& r) {
 py::list limits(const DesignResult& r) {
   py::list list;
   for (const LimitUse& use : r.limits) {
+    const double in_si = si_over_inside(use.kind, use.axis);
     list.append(py::dict(py::arg("kind") = to_string(use.kind), py::arg("axis") = use.axis,
                          py::arg("corner") = use.corner, py::arg("event") = to_string(use.event),
-                         py::arg("value") = use.value, py::arg("bound") = use.bound,
+                         py::arg("value") = in_si * use.value, py::arg("bound") = in_si * use.bound,
                          py::arg("utilisation") = use.utilisation, py::arg("sample") = use.sample,
                          py::arg("frequency") = use.frequency));
   }
@@ -173,8 +175,8 @@ corners : list of dict
     name, delay, corner_error, polyline_error, contour_deviation (m), speed_min (m/s), corner_time, settling_time (s),
     feed_part (of the feed, at which the corner is passed).
 limits : list of dict
-    The worst use of every limit: kind, axis, corner, event, value, bound (SI), utilisation (1 is the bound), sample,
-    frequency (Hz).
+    The worst use of every limit: kind, axis, corner, event, value, bound (SI; axes a, b and c: rad, and N m of kind
+    force), utilisation (1 is the bound), sample, frequency (Hz).
 verification, solver : dict
 quantisation : dict or None
     With coefficient_bits: bits, coefficients (whole numbers of sum 2**bits), unquantised (s, with free taps).

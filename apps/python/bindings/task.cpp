@@ -9,6 +9,7 @@
 
 #include <accdec/files/faults.hpp>
 #include <accdec/files/output_files.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/si_names.hpp>
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_writer.hpp>
@@ -101,14 +102,19 @@ py::dict corner_dict(const TaskCorner& c) {
 py::dict axis_dict(const Axis& axis) {
   py::dict d;
   d["name"] = axis.name;
-  d["mass"] = axis.mass;
-  d["damping"] = axis.damping;
-  d["coulomb"] = axis.coulomb;
-  for (const AxisLimit& limit : axis_limits) {
-    if (limit.kind != LimitKind::force_speed)
-      d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
+  if (is_rotary(axis.name)) {
+    for (const auto& [name, value] : rotary_in_si(axis)) d[py::str(name)] = value;
+    d["power_max"] = axis.power_max, d["regeneration_max"] = axis.regeneration_max;
+  } else {
+    d["mass"] = axis.mass;
+    d["damping"] = axis.damping;
+    d["coulomb"] = axis.coulomb;
+    for (const AxisLimit& limit : axis_limits) {
+      if (limit.kind != LimitKind::force_speed)
+        d[py::str(fmt::format("{}_max", limit_name(limit.kind).name))] = axis.*limit.bound;
+    }
+    d["force_rms"] = axis.force_rms_max;
   }
-  d["force_rms"] = axis.force_rms_max;
   d["servo_gain"] = axis.servo_gain;
   const bool servo = axis.servo_gain < unlimited, measured = !axis.response_taps.empty();
   d["velocity_feedforward"] = servo ? py::object(py::float_(axis.velocity_feedforward)) : py::none();
@@ -158,8 +164,8 @@ axes : dict or list of dict, optional
     velocity_max, acceleration_max, jerk_max, mass, damping, coulomb (N, dry friction), force_max, power_max,
     regeneration_max, force_speed_N ([[mm/s, N], ..]), force_rms (N, over a whole program), name, servo_gain (1/s) with
     velocity_feedforward, or response_taps. One dict stands for every axis. Axes named a, b and c turn:
-    velocity_max_deg_s, acceleration_max_deg_s2, jerk_max_deg_s3, inertia_kg_m2, damping_N_m_s, coulomb_N_m,
-    torque_max_N_m, torque_rms_N_m.
+    velocity_max (rad/s), acceleration_max (rad/s^2), jerk_max (rad/s^3), inertia (kg m^2), damping (N m s), coulomb,
+    torque_max and torque_rms (N m); or in degrees, as velocity_max_deg_s.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict

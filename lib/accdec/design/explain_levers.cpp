@@ -76,8 +76,9 @@ Lever speed_lever(const TaskCorner& corner, std::size_t j) {
 
 Lever axis_mode_lever(const Task& task, std::size_t i) {
   const Mode& mode = task.machine.modes[i];
-  Lever lever = limit_lever(LimitKind::residual, mode.displacement_max);
-  lever.axis = task.machine.axes[static_cast<std::size_t>(mode.axis)].name;
+  const std::string& axis = task.machine.axes[static_cast<std::size_t>(mode.axis)].name;
+  Lever lever = limit_lever(LimitKind::residual, mode.displacement_max, axis);
+  lever.axis = axis;
   lever.name = fmt::format("residual {} {}", lever.axis, range_of(mode));
   lever.key = fmt::format("mode.{}.residual_max_um", i);
   lever.frequency_low = mode.frequency_low;

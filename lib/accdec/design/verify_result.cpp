@@ -5,6 +5,7 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/design/verify_settings.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/task/check_delays.hpp>
 #include <accdec/verify.hpp>
 
@@ -128,6 +129,11 @@ void compare_limit(const DesignResult& recorded, std::size_t i, const LimitUse& 
                    std::vector<std::string>& reasons) {
   Comparison compare(reasons);
   const LimitUse& use = recorded.limits[i];
+  if (const std::string then = unit_of_before(found.kind, found.axis, use.bound, found.bound);
+      !then.empty() && use.kind == found.kind && use.axis == found.axis) {
+    if (std::ranges::find(reasons, then) == reasons.end()) reasons.push_back(then);
+    return;
+  }
   if (!same_limit(use, found)) {
     reasons.push_back(fmt::format("limits[{}] should be the {} limit{}{} of the task", i, to_string(found.kind),
                                   found.axis.empty() ? "" : " of axis ", found.axis));

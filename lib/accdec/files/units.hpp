@@ -21,7 +21,7 @@ struct Unit {
 
 /// Units of our files, and others that people write into names. A suffix stands before any shorter suffix that it ends
 /// with.
-constexpr std::array<Unit, 38> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
+constexpr std::array<Unit, 42> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_mm_s3", "mm/s^3", "mm/s³", 1e3},
                                       {"_mm_s2", "mm/s^2", "mm/s²", 1e3},
                                       {"_mm_s", "mm/s", "mm/s", 1e3},
@@ -38,7 +38,11 @@ constexpr std::array<Unit, 38> units{{{"_mm_min", "mm/min", "mm/min", 6e4},
                                       {"_deg_s", "deg/s", "deg/s", 1e3},
                                       {"_kg_m2", "kg m^2", "kg m²", 1.0 / (radians_per_metre * radians_per_metre)},
                                       {"_N_m", "N m", "N m", 1.0 / radians_per_metre},
+                                      {"_rad_s3", "rad/s^3", "rad/s³", radians_per_metre},
+                                      {"_rad_s2", "rad/s^2", "rad/s²", radians_per_metre},
+                                      {"_rad_s", "rad/s", "rad/s", radians_per_metre},
                                       {"_samples", "samples", "samples"},
+                                      {"_mdeg", "mdeg", "mdeg", 1e6},
                                       {"_deg", "degrees", "deg"},
                                       {"_rad", "rad", "rad"},
                                       {"_ms", "ms", "ms", 1e3},

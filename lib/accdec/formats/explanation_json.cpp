@@ -4,6 +4,7 @@
 
 #include <accdec/formats/explanation.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/machine/limit_unit.hpp>
 
 namespace accdec {
 namespace {
@@ -33,7 +34,7 @@ Json levers_json(const Room& room, const char* name, Value value) {
 
 Json binding_json(const Binding& b) {
   Json json{{"kind", to_string(b.kind)},   {"axis", b.axis},       {"corner", b.corner},
-            {"event", to_string(b.event)}, {"samples", b.samples}, {"bound", b.bound}};
+            {"event", to_string(b.event)}, {"samples", b.samples}, {"bound", si_over_inside(b.kind, b.axis) * b.bound}};
   if (of_mode(b.kind)) json["frequency_Hz"] = b.frequency;
   if (b.damping > 0.0) json["damping_ratio"] = b.damping;
   return json;

@@ -12,6 +12,7 @@
 #include <accdec/formats/json_number.hpp>
 #include <accdec/formats/settings_json.hpp>
 #include <accdec/formats/task_writer.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task/not_considered.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -105,12 +106,13 @@ void write_corner(ListWriter& writer, const CornerResult& c) {
 }
 
 void write_limit(ListWriter& writer, const LimitUse& use) {
+  const double in_si = si_over_inside(use.kind, use.axis);
   writer.member("kind", to_string(use.kind))
       .member("axis", use.axis)
       .member("corner", use.corner)
       .member("event", to_string(use.event))
-      .member("value", use.value)
-      .member("bound", use.bound)
+      .member("value", in_si * use.value)
+      .member("bound", in_si * use.bound)
       .member("utilisation", use.utilisation)
       .member("sample", use.sample);
   if (of_mode(use.kind)) writer.member("frequency_Hz", use.frequency);

@@ -99,7 +99,7 @@ Key limits() {
   std::array<LimitKind, limit_names.size()> kinds{};
   for (std::size_t i = 0; i < kinds.size(); ++i) kinds[i] = limit_names[i].kind;
   return table(
-      "limits", KeyType::tables, "use of every limit, in SI units; axes a, b and c in rad and N m",
+      "limits", KeyType::tables, "use of every limit, in SI units; axes a, b and c in rad, and in N m of kind force",
       {word("kind", "which limit", kinds), text("axis", "axis; empty if the limit has none"),
        text("corner", "corner; empty if the limit has none"),
        word("event", "where it is used most", std::array{Event::start, Event::blend, Event::stop, Event::none}),

@@ -18,6 +18,7 @@
 #include <accdec/formats/result_keys.hpp>
 #include <accdec/formats/settings_json.hpp>
 #include <accdec/formats/task_tree.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task/not_considered.hpp>
 
@@ -165,8 +166,9 @@ LimitUse read_limit(const Json& json) {
   use.axis = json["axis"].get<std::string>();
   use.corner = json["corner"].get<std::string>();
   use.event = named(json["event"], std::array{Event::start, Event::blend, Event::stop, Event::none});
-  use.value = number_or_infinity(json["value"]);
-  use.bound = json["bound"];
+  const double in_si = si_over_inside(use.kind, use.axis);
+  use.value = number_or_infinity(json["value"]) / in_si;
+  use.bound = json["bound"].get<double>() / in_si;
   use.utilisation = number_or_infinity(json["utilisation"]);
   use.sample = json["sample"];
   if (const auto frequency = optional_number(json, "frequency_Hz")) use.frequency = *frequency;

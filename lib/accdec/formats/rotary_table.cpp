@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/formats/rotary_table.hpp>
+#include <accdec/formats/si_names.hpp>
 
 namespace accdec {
 namespace {
@@ -46,6 +47,19 @@ std::vector<Key> rotary_keys() {
 std::string_view rotary_key(std::string_view key) {
   const auto found = std::ranges::find(all_keys, key, &RotaryKey::of_linear);
   return found == all_keys.end() ? key : found->key;
+}
+
+bool is_rotary_key(std::string_view key) {
+  return std::ranges::find(all_keys, key, &RotaryKey::key) != all_keys.end();
+}
+
+std::vector<std::pair<std::string, double>> rotary_in_si(const Axis& axis) {
+  std::vector<std::pair<std::string, double>> values;
+  for (const Key& key : rotary_keys()) {
+    const double inside = axis.*std::ranges::find(all_keys, key.name, &RotaryKey::key)->value;
+    values.emplace_back(si_name(key), inside < unlimited ? to_named_si(key, from_si(key, inside)) : unlimited);
+  }
+  return values;
 }
 
 void refuse_rotary(const toml_input::Table& table) {

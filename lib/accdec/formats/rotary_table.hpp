@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <accdec/files/toml_table.hpp>
@@ -18,6 +19,13 @@ std::vector<Key> rotary_keys();
 
 /// The key of a limit of a rotary axis, or of its inertia (`mass_kg`); the key itself where there is none.
 std::string_view rotary_key(std::string_view key);
+
+/// Whether it is one of those keys.
+bool is_rotary_key(std::string_view key);
+
+/// The values of a rotary axis in SI proper, by the names of their keys without the unit: "velocity_max" in rad/s,
+/// "inertia" in kg m^2. Infinite where there is no limit.
+std::vector<std::pair<std::string, double>> rotary_in_si(const Axis& axis);
 
 /// @throws InputError at a key of rotary axes in a table that stands for several axes
 void refuse_rotary(const toml_input::Table& table);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/units.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/si_names.hpp>
 #include <accdec/formats/task_keys.hpp>
 
@@ -34,43 +35,89 @@ void rename_key(std::string& text, const Key& key, const std::string& name) {
     char* last = nullptr;
     const double value = std::strtod(start, &last);
     if (last != start && !std::string_view(last).starts_with(" " + key.unit))
-      text.replace(number, static_cast<std::size_t>(last - start), fmt::format("{:.9g}", to_si(key, value)));
+      text.replace(number, static_cast<std::size_t>(last - start), fmt::format("{:.9g}", to_named_si(key, value)));
   }
+}
+
+/// The unit of a key in SI, by name.
+std::string unit_in_si(const Key& key) {
+  const std::string& unit = key.unit;
+  if (unit == "degrees") return "rad";
+  if (unit == "mm/min") return "m/s";
+  if (unit == "um" || unit == "ms") return unit.substr(1);
+  if (unit.starts_with("mm")) return unit.substr(1);
+  return unit.starts_with("deg/") ? "rad" + unit.substr(3) : unit;
+}
+
+/// Suggestions name the unit of the key; under its name in SI the number is in SI.
+void mend_unit(std::string& text, const Key& key) {
+  const std::string head = fmt::format("`{}`? Its number is in ", key.name), other = ", not in ";
+  const std::size_t at = text.find(head + key.unit + other);
+  if (at == std::string::npos) return;
+  const std::size_t unit = at + head.size(), given = unit + key.unit.size() + other.size();
+  if (std::string_view(text).substr(given) == unit_in_si(key))
+    text.resize(at + head.find(" Its"));
+  else
+    text.replace(unit, key.unit.size(), unit_in_si(key));
+}
+
+/// Converts numbers of a key to SI proper.
+const Key& named_unit(const Key& key) {
+  static const Key degrees{.unit = "degrees"}, si{};
+  if (!is_rotary_key(key.name)) return key;
+  return key.unit.starts_with("deg/") ? degrees : si;
 }
 
 }  // namespace
 
 std::string si_name(const Key& key) {
   const Unit* unit = unit_in_name(key.name);
-  const bool rotary = key.unit.starts_with("deg/") || key.unit == "kg m^2" || key.unit.starts_with("N m");
-  return unit && !rotary && unit->name == key.unit ? key.name.substr(0, key.name.size() - unit->suffix.size())
-                                                   : key.name;
+  return unit && unit->name == key.unit ? key.name.substr(0, key.name.size() - unit->suffix.size()) : key.name;
 }
 
-const Key* key_in_si(std::string_view table, std::string_view name) {
+double to_named_si(const Key& key, double value) {
+  return to_si(named_unit(key), value);
+}
+
+double from_named_si(const Key& key, double si) {
+  return from_si(named_unit(key), si);
+}
+
+const Key* key_in_si(std::string_view table, std::string_view name, bool turns) {
   const Key* found = table.empty() ? nullptr : find_key(task_file().keys, table);
   if (!table.empty() && !found) return nullptr;
   const std::vector<Key>& keys = found ? found->keys : task_file().keys;
   if (find_key(keys, name) != nullptr) return nullptr;  // a name of its own
   for (const Key& key : keys) {
-    if (name != key.name && name == si_name(key)) return &key;
+    const bool of_others = table == "axis" && (turns ? rotary_key(key.name) != key.name : is_rotary_key(key.name));
+    if (!of_others && name != key.name && name == si_name(key)) return &key;
   }
   return nullptr;
 }
 
+std::string of_other_axes(std::string_view name, std::string_view axis) {
+  const bool turns = is_rotary(axis);
+  const Key* other = key_in_si("axis", name, !turns);
+  if (other == nullptr || key_in_si("axis", name, turns) != nullptr) return "";
+  if (!turns) return fmt::format("`{}` is for rotary axes; allowed on axes named a, b and c", name);
+  return fmt::format("`{}` is for linear axes; axis {} has `{}`", name, axis,
+                     si_name(*find_key(rotary_keys(), rotary_key(other->name))));
+}
+
 Range range_in_si(const Key& key) {
   Range range = key.range;
-  for (double* bound : {&range.low, &range.high}) *bound = std::stod(fmt::format("{:.9g}", to_si(key, *bound)));
+  for (double* bound : {&range.low, &range.high}) *bound = std::stod(fmt::format("{:.9g}", to_named_si(key, *bound)));
   return range;
 }
 
 std::string in_si_names(std::string message, std::string_view written) {
   const auto mend = [&](std::string_view table, const Key& key) {
     const std::string name = si_name(key);
-    if (message.find(key.name) == std::string::npos || key_in_si(table, name) != &key) return;
+    if (message.find(key.name) == std::string::npos || key_in_si(table, name, is_rotary_key(key.name)) != &key) return;
     if (written.find(fmt::format("\"{}\"", key.name)) != std::string_view::npos) return;
     const std::size_t head = std::string_view("allowed is ").size();
     replace_every(message, key.range.text(key.name).substr(head), range_in_si(key).text(name).substr(head));
+    mend_unit(message, key);
     rename_key(message, key, name);
   };
   for (const Key& key : task_file().keys) {

@@ -12,6 +12,7 @@
 #include <accdec/files/json_position.hpp>
 #include <accdec/files/suggestion.hpp>
 #include <accdec/files/units.hpp>
+#include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/si_names.hpp>
 #include <accdec/formats/task_edit.hpp>
 #include <accdec/formats/task_json.hpp>
@@ -27,7 +28,7 @@ using PlainJson = nlohmann::json;
 /// A value in SI converted to the unit of its key.
 PlainJson in_unit_of(const Key& key, const PlainJson& value) {
   if (key.type != KeyType::number && key.type != KeyType::numbers) return value;
-  if (value.is_number()) return from_si(key, value.get<double>());
+  if (value.is_number()) return from_named_si(key, value.get<double>());
   if (!value.is_array()) return value;
   PlainJson list = PlainJson::array();
   for (const PlainJson& element : value) list.push_back(in_unit_of(key, element));
@@ -45,34 +46,43 @@ void require_allowed(const Key& key, const std::string& name, const PlainJson& v
   if (!value.is_number())
     throw InputError(file, 0, 0, fmt::format("`{}` must be a number, got {}", name, value.dump()), at);
   const double given = value.get<double>();
-  if (key.range.holds(from_si(key, given))) return;
+  if (key.range.holds(from_named_si(key, given))) return;
   throw InputError(file, 0, 0, fmt::format("`{}` = {} is out of range; {}", name, given, range_in_si(key).text(name)),
                    at);
 }
 
 /// A misspelt name without a unit is meant as a name in SI, so the suggestion is one, too.
-/// @param label  how messages call the table
-void require_known(std::string_view name, std::string_view which, const std::string& label, const std::string& file) {
+/// @param label  how messages call the table  @param axis  its name in a table of an axis
+void require_known(std::string_view name, std::string_view which, const std::string& label, const std::string& file,
+                   std::string_view axis) {
   const std::vector<Key>& keys = which.empty() ? task_file().keys : find_key(task_file().keys, which)->keys;
-  if (find_key(keys, name) != nullptr || unit_in_name(name) != nullptr) return;
+  const bool turns = is_rotary(axis);
+  if (find_key(keys, name) != nullptr || (unit_in_name(name) != nullptr && !turns)) return;
+  if (const std::string wrong = which == "axis" ? of_other_axes(name, axis) : ""; !wrong.empty())
+    throw InputError(file, 0, 0, wrong);
   std::vector<std::string> names;
   for (const Key& key : keys) {
+    if (turns ? rotary_key(key.name) != key.name : which == "axis" && is_rotary_key(key.name)) continue;
     const std::string short_name = si_name(key);
-    names.push_back(key_in_si(which, short_name) == &key ? short_name : key.name);
+    names.push_back(key_in_si(which, short_name, turns) == &key ? short_name : key.name);
   }
   const std::string hint = suggest(name, std::vector<std::string_view>(names.begin(), names.end()));
   throw InputError(file, 0, 0, fmt::format("unknown key `{}` in {}; {}", name, label, hint));
 }
 
 /// Renames and converts the SI keys of a table.
-/// @param at  its JSON pointer
+/// @param at  its JSON pointer  @param axis  name of an axis whose table has none
 void to_file_keys(PlainJson& table, std::string_view which, const std::string& label, const std::string& file,
-                  const std::string& at) {
+                  const std::string& at, std::string_view axis = "") {
   if (!table.is_object()) return;
   PlainJson renamed = PlainJson::object();
+  const auto named = table.find("name");
+  const std::string axis_name = which != "axis"                              ? ""
+                                : named != table.end() && named->is_string() ? named->get<std::string>()
+                                                                             : std::string(axis);
   for (const auto& [name, value] : table.items()) {
-    const Key* key = key_in_si(which, name);
-    if (!key) require_known(name, which, label, file);
+    const Key* key = key_in_si(which, name, is_rotary(axis_name));
+    if (!key) require_known(name, which, label, file, axis_name);
     if (key && table.contains(key->name))
       throw InputError(file, 0, 0, fmt::format("`{}` and `{}` are both given; allowed is either", name, key->name), at);
     if (key) require_allowed(*key, name, value, file, at + "/" + key->name);
@@ -88,7 +98,8 @@ void to_file_keys(PlainJson& task, const std::string& file) {
     if (found == task.end()) continue;
     if (found->is_array()) {
       for (std::size_t i = 0; i < found->size(); ++i)
-        to_file_keys((*found)[i], table, fmt::format("[[{}]] {}", table, i + 1), file, fmt::format("/{}/{}", table, i));
+        to_file_keys((*found)[i], table, fmt::format("[[{}]] {}", table, i + 1), file, fmt::format("/{}/{}", table, i),
+                     found->size() > 1 && i < task_keys::axes_limit ? task_keys::axis_names[i] : "");
     } else {
       to_file_keys(*found, table, fmt::format("[{}]", table), file, fmt::format("/{}", table));
     }
@@ -129,15 +140,34 @@ toml::table to_table(const PlainJson& object, const std::string& file, int depth
   return table;
 }
 
-/// "corner.A.error_max_um" for "corner.A.error_max", and the value in its unit; both unchanged if the key is not an SI
-/// key.
-std::pair<std::string, double> in_file_unit(const std::string& key, double value) {
+using Setting = std::pair<std::string, double>;
+
+/// {"corner.A.error_max_um", 50} for "corner.A.error_max", 5e-5; unchanged if the key is not an SI key.
+/// @param axis  the name of an axis whose key it is
+Setting in_file_unit(const std::string& key, double value, std::string_view axis = "") {
   const std::size_t dot = key.rfind('.');
   const std::string table = key.substr(0, std::min(key.find('.'), key.size()));
   const std::string last = dot == std::string::npos ? key : key.substr(dot + 1);
-  const Key* found = key_in_si(dot == std::string::npos ? "" : table, last);
+  const Key* found = key_in_si(dot == std::string::npos ? "" : table, last, is_rotary(axis));
   if (!found) return {key, value};
   return {key.substr(0, key.size() - last.size()) + found->name, in_unit_of(*found, value).get<double>()};
+}
+
+/// The same for each axis that the key is about: the keys of rotary axes are others.
+std::vector<Setting> in_file_units(const PlainJson& task, const std::string& key, double value) {
+  const std::size_t dot = key.find('.'), last = key.rfind('.');
+  std::vector<Setting> settings;
+  if (key.substr(0, dot) == "axis" && last > dot && task.contains("axis")) {
+    const std::string which = key.substr(dot + 1, last - dot - 1), name = key.substr(last + 1);
+    for (std::size_t i = 0; i < task["axis"].size(); ++i) {
+      const std::string axis = task["axis"][i].value("name", "");
+      if (which != "*" && which != axis && which != std::to_string(i)) continue;
+      if (const std::string wrong = of_other_axes(name, axis); !wrong.empty()) throw InputError(key, 0, 0, wrong);
+      settings.push_back(in_file_unit(fmt::format("axis.{}.{}", i, name), value, axis));
+    }
+  }
+  if (settings.empty()) settings.push_back(in_file_unit(key, value));
+  return settings;
 }
 
 }  // namespace
@@ -163,9 +193,9 @@ Task parse_task_json(std::string_view text, const std::string& name, const TaskO
 }
 
 Task with_setting(const Task& task, const std::string& key, double value) {
-  const auto [file_key, number] = in_file_unit(key, value);
-  toml::table tree = to_table(PlainJson::parse(task_to_json(task).dump()), key, 0);
-  TaskKey(file_key).set(tree, number);
+  const PlainJson json = PlainJson::parse(task_to_json(task).dump());
+  toml::table tree = to_table(json, key, 0);
+  for (const auto& [file_key, number] : in_file_units(json, key, value)) TaskKey(file_key).set(tree, number);
   return task_from_tree(tree, key, "", {.require_corners = !task.corners.empty(), .response = Considered::all});
 }
 

@@ -45,9 +45,10 @@ DesignBounds read_design(const Table& table) {
   return bounds;
 }
 
-Axis read_axis(const Table& table, std::vector<std::string>& notes) {
+/// @param name  its name, if the table gives none
+Axis read_axis(const Table& table, std::string_view name, std::vector<std::string>& notes) {
   Axis axis;
-  axis.name = table.text("name").value_or("");
+  axis.name = table.text("name").value_or(std::string(name));
   axis.mass = table.required_number("mass_kg");
   axis.damping = table.required_number("damping_N_s_m");
   for (const AxisLimit& limit : axis_limits)
@@ -305,7 +306,10 @@ class TaskReader {
     }
     Names names;
     for (std::size_t i = 0; i < tables.size(); ++i) {
-      faults_.attempt(tables[i].pointer(), [&] { task_.machine.axes.push_back(read_axis(tables[i], task_.notes)); });
+      faults_.attempt(tables[i].pointer(), [&] {
+        const std::string_view name = tables.size() > 1 ? task_keys::axis_names[i] : "";
+        task_.machine.axes.push_back(read_axis(tables[i], name, task_.notes));
+      });
       if (tables.size() < 2) continue;
       faults_.attempt(tables[i].pointer() + "/name", [&] {
         names.add(tables[i], tables[i].text("name").value_or(std::string(task_keys::axis_names[i])));

@@ -25,10 +25,11 @@ void add_modes(Panel& panel, const DesignResult& result, double top) {
         std::max(0.0, 0.004 * top - 0.5 * (mode.frequency_high - mode.frequency_low));  // a line has to be seen
     panel.bands.back().from -= half, panel.bands.back().to += half;
     const LimitUse* worst = nullptr;
+    const double bound = mode.of_axis() ? mode.displacement_max : mode.residual_max;
     for (const LimitUse& use : result.limits) {
       const bool here = use.kind == (mode.of_axis() ? LimitKind::residual : LimitKind::vibration) &&
                         use.frequency >= mode.frequency_low && use.frequency <= mode.frequency_high &&
-                        use.bound == (mode.of_axis() ? mode.displacement_max : mode.residual_max);
+                        std::abs(use.bound - bound) <= 1e-15 * bound;  // rounded in files of axes that turn
       if (here && (!worst || use.utilisation > worst->utilisation)) worst = &use;
     }
     const bool binds = worst && worst->utilisation > binding;

@@ -8,8 +8,20 @@
 namespace accdec {
 
 namespace {
-constexpr const char* rating = "thermal rating of the drives";
+
+/// Names the drives whose ratings are left out; empty if none is.
+std::string unrated_text(const Machine& machine, const std::vector<std::string>& rated) {
+  std::vector<std::string> names;
+  for (const Axis& axis : machine.axes) {
+    if (std::find(rated.begin(), rated.end(), axis.name) == rated.end()) names.push_back(axis.name);
+  }
+  if (rated.empty()) return "thermal rating of the drives";
+  if (names.empty()) return "";
+  return fmt::format("thermal rating of the drive{} {}", names.size() == 1 ? " of axis" : "s of axes",
+                     fmt::join(names, ", "));
 }
+
+}  // namespace
 
 std::string_view to_string(NotConsidered what) {
   switch (what) {
@@ -29,7 +41,7 @@ std::vector<NotConsidered> not_considered(const Machine& machine) {
   return left_out;
 }
 
-std::string not_considered_text(const Machine& machine, bool rated) {
+std::string not_considered_text(const Machine& machine, const std::vector<std::string>& rated) {
   std::vector<std::string> texts;
   bool servo = true;
   for (const NotConsidered what : not_considered(machine)) {
@@ -39,8 +51,12 @@ std::string not_considered_text(const Machine& machine, bool rated) {
     }
   }
   if (!servo) texts.emplace_back("following error and feedforward of the servo");
-  if (!rated && servo) texts.emplace_back(rating);
-  if (!rated && !servo) texts.back().append(", ").append(rating);
+  if (const std::string rating = unrated_text(machine, rated); !rating.empty()) {
+    if (servo)
+      texts.push_back(rating);
+    else
+      texts.back().append(", ").append(rating);
+  }
   return texts.empty() ? "nothing" : fmt::format("{}", fmt::join(texts, "; "));
 }
 

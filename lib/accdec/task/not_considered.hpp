@@ -21,7 +21,7 @@ std::string_view to_string(NotConsidered what);
 std::vector<NotConsidered> not_considered(const Machine& machine);
 
 /// The same in words, joined by semicolons: one line of every summary.
-/// @param rated  the ratings of all drives were considered
-std::string not_considered_text(const Machine& machine, bool rated = false);
+/// @param rated  names of the axes whose drives' ratings were considered
+std::string not_considered_text(const Machine& machine, const std::vector<std::string>& rated = {});
 
 }  // namespace accdec

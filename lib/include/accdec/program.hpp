@@ -210,12 +210,21 @@ std::vector<ControlEstimate> estimate_times(const Toolpath& path, const Machine&
 /// feed. @param plan_time  s, of accdec's plan; 0: there is none
 std::string estimate_text(const ControlEstimate& estimate, double plan_time);
 
+/// A plan at programmed feeds, made again with its path and filter: two values a block, or none.
+struct KnownPlan {
+  std::vector<double> duration;  ///< s
+  std::vector<int> delays;       ///< samples
+  std::size_t slowed = 0;        ///< blocks below their programmed feed
+};
+
 /// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis
 /// limit and vibration bound is held over the whole program, else `failed` with the worst in the message. With
 /// Feeds::choose the plan at the programmed feeds is a candidate, so that the answer is never slower than it.
 /// @param deadline  ends the planning: the fastest plan so far is the answer; `failed` if none holds
+/// @param known     a plan that held (ProgramFilter::plan): it is a candidate if the deadline is over
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
-                          bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {});
+                          bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {},
+                          const KnownPlan& known = {});
 
 /// Plans profiles, samples and verifies them. The bounds are left to whoever asks for them.
 /// @throws std::invalid_argument for vibration bounds that no last filter holds, and for delays that the program brings
@@ -276,6 +285,7 @@ struct ProgramFilter {
   SolverReport solver;
   std::string message;
   bool designed = false;  ///< for this program, not given
+  KnownPlan plan;         ///< by which it was chosen, if that was simulated and held
 };
 /// @param time_limit  s, for the design by `design_task`  @param progress  one line a step, may be empty
 /// @param deadline    of the whole command: ends the comparison of designs by their plans

@@ -42,17 +42,20 @@ double program_time(const Toolpath& path, const Filter& set, const Task& task, c
 }
 
 /// The time of the simulated plan, with all overlaps. Unlimited if the plan does not hold.
+/// @param known  gets a plan that holds
 double planned_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine,
-                    const Deadline& deadline) {
+                    const Deadline& deadline, KnownPlan* known = nullptr) {
   const Filter filter = Response(task.machine, task.sample_period).command(set);
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
   snap_durations(copy, filter, task.sample_period, machine);
-  const ProgramPlan plan = plan_program(copy, filter, task.sample_period, machine, true, deadline);
+  ProgramPlan plan = plan_program(copy, filter, task.sample_period, machine, true, deadline);
   for (const LimitUse& use : plan.simulation.limits) {
     if (use.utilisation > 1.0 + verification_tolerance) return unlimited;
   }
-  return plan.errors_hold ? static_cast<double>(plan.simulation.samples) * task.sample_period : unlimited;
+  if (!plan.errors_hold) return unlimited;
+  if (known != nullptr) *known = {std::move(copy.duration), std::move(plan.delays), plan.slowed};
+  return static_cast<double>(plan.simulation.samples) * task.sample_period;
 }
 
 /// The time of the plan for want of another, s.
@@ -175,11 +178,13 @@ class Candidates {
     best.solver.claimed = c.design.solver.claimed;
   }
   void simulate(const Filter& filter, const Candidate& c, ProgramFilter& best, double& shortest) const {
-    const double time = planned_time(path_, filter, task_, machine_, deadline_);
+    KnownPlan known;
+    const double time = planned_time(path_, filter, task_, machine_, deadline_, &known);
     tell(c.name, filter, time, "simulated");
     if (!(time < shortest)) return;
     shortest = time;
     take(filter, c, best);
+    best.plan = std::move(known);
   }
 
   const Toolpath& path_;
@@ -293,10 +298,13 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
     if (path.blocks() > several_plans_max || program_time(path, filter, task, machine) >= chosen) return chosen;
     return std::min(chosen, planned_time(path, filter, task, machine, deadline));
   };
-  // Without time to plan with it, a filter that knows neither modes of axes nor the contour is no choice.
-  const bool unsure = deadline.over() && (has_mode_of_axis(machine) || path.contour_max < unlimited);
+  // Without time to plan with it, a filter that knows neither modes of axes nor the contour is no choice. Nor is it
+  // where the other has a plan that holds.
+  const bool unsure =
+      deadline.over() && (has_mode_of_axis(machine) || path.contour_max < unlimited || !best.plan.delays.empty());
   if (search.filter && (!best.filter || (!unsure && time(*search.filter) <= time(*best.filter)))) {
     best.filter = search.filter;
+    best.plan = {};
     best.solver.name = "two averages";
     best.message.clear();
   }

@@ -16,6 +16,7 @@
 #include <accdec/files.hpp>
 #include <accdec/formats/json_text.hpp>
 #include <accdec/formats/json_value.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
@@ -120,14 +121,16 @@ class Reader {
     }
   }
 
-  static LimitUse limit_use(const Value& json) {
+  LimitUse limit_use(const Value& json) const {
     std::array<LimitKind, limit_names.size()> kinds{};
     std::transform(limit_names.begin(), limit_names.end(), kinds.begin(), [](const LimitName& l) { return l.kind; });
     LimitUse use;
     use.kind = json["kind"].word(std::span<const LimitKind>(kinds));
     use.axis = json["axis"].text();
-    use.value = json["value"].number();
-    use.bound = json["bound"].number();
+    // Earlier schemas count a degree as a millimetre.
+    const double in_si = record_.schema == ProgramSchema::program_2 ? si_over_inside(use.kind, use.axis) : 1.0;
+    use.value = json["value"].number() / in_si;
+    use.bound = json["bound"].number() / in_si;
     use.utilisation = json["utilisation"].number();
     use.sample = json["sample"].integer<std::int64_t>();
     use.line = json["line"].integer<std::uint32_t>();

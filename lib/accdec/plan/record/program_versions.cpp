@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/record/program_versions.hpp>
 #include <accdec/plan/trajectory/last_filter.hpp>
 
@@ -35,11 +36,21 @@ Json corners_with_chords(const Json& found, const ProgramResult& result) {
   return json;
 }
 
+/// Earlier schemas have a degree as a millimetre.
+Json limits_then(Json limits, const ProgramResult& result) {
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    const LimitUse& use = result.check.limits[i];
+    if (si_over_inside(use.kind, use.axis) != 1.0) limits[i]["value"] = use.value, limits[i]["bound"] = use.bound;
+  }
+  return limits;
+}
+
 Json as_program_1(Json json, const ProgramResult& result, bool per_leg) {
   json["schema"] = "accdec.program/1";
   if (per_leg) json["plan"] = "per-leg";
   json["blocks"] = result.programmed_moves;
   json["corners"] = corners_with_chords(json["corners"], result);
+  json["limits"] = limits_then(json["limits"], result);
   for (const char* name : {"straight_moves", "arcs", "repair_rounds", "axis_loads"}) json.erase(name);
   return json;
 }
@@ -50,6 +61,7 @@ Json as_profiles_1(const Json& found, const ProgramResult& result) {
   for (const char* name : {"program", "status", "sample_period_s", "plan", "samples", "cycle_time_s", "lower_bound_s",
                            "repair_rounds", "limits", "message"})
     json[name] = found.at(name);
+  json["limits"] = limits_then(json["limits"], result);
   json["blocks"] = result.programmed_moves;
   const int taps = LastFilter(result.plan.filter(), result.sample_period).boxcar();
   json["last_boxcar_taps"] = taps > 0 ? Json(taps) : Json(nullptr);

@@ -58,4 +58,21 @@ std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& mac
   return loads;
 }
 
+Machine moved_machine(const ProgramResult& result) {
+  Machine machine = result.task_machine;
+  const Toolpath& path = result.plan.path;
+  const std::size_t n = path.dimensions();
+  if (result.plan.empty() || n == 0) return machine;
+  const std::vector<Axis> axes = program_machine(machine, path).axes;
+  machine.axes.clear();
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t i = a; i < path.points.size(); i += n) {
+      if (path.points[i] == path.points[a]) continue;
+      machine.axes.push_back(axes[a]);
+      break;
+    }
+  }
+  return machine;
+}
+
 }  // namespace accdec

@@ -12,6 +12,10 @@ namespace accdec {
 /// @param machine  as many axes as the path
 std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& machine);
 
+/// The task's machine with those of its axes that the program moves: what is not considered of others is not left out.
+/// All axes, where there is no plan.
+Machine moved_machine(const ProgramResult& result);
+
 /// Whether any axis has a thermal rating.
 inline bool has_ratings(const Machine& machine) {
   return std::ranges::any_of(machine.axes, [](const Axis& axis) { return axis.force_rms_max < unlimited; });

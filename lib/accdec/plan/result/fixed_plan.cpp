@@ -102,7 +102,7 @@ void offer_kept(const std::string& name, ProgramFile& file, std::optional<Progra
   if (!filter.filter) return;
   set_control(again.path, task, filter);
   ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.fixed.filter_bound,
-                                   coarse.fixed.feeds, options.deadline);
+                                   coarse.fixed.feeds, options.deadline, filter.plan);
   const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
   // A result at kept feeds has the times of its own filter.
   const bool best = !result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept;
@@ -185,8 +185,8 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
   const Toolpath programmed = says ? file.path : Toolpath{};
   const auto plan = [&](Toolpath path, Feeds feeds) {
     set_control(path, task, choice);
-    return run_program(name, std::move(path), *choice.filter, task, options.fixed.filter_bound, feeds,
-                       options.deadline);
+    return run_program(name, std::move(path), *choice.filter, task, options.fixed.filter_bound, feeds, options.deadline,
+                       choice.plan);
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
   const bool widen = options.fixed.feeds == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/machine/limit_unit.hpp>
+#include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>
@@ -21,8 +22,13 @@ Json number(double value) {
 Json limits_json(const ProgramResult& result) {
   Json list = Json::array();
   for (const LimitUse& use : result.check.limits) {
-    Json item{{"kind", to_string(use.kind)}, {"axis", use.axis},           {"line", use.line},
-              {"value", number(use.value)},  {"bound", number(use.bound)}, {"utilisation", number(use.utilisation)},
+    const double in_si = si_over_inside(use.kind, use.axis);
+    Json item{{"kind", to_string(use.kind)},
+              {"axis", use.axis},
+              {"line", use.line},
+              {"value", number(in_si * use.value)},
+              {"bound", number(in_si * use.bound)},
+              {"utilisation", number(use.utilisation)},
               {"sample", use.sample}};
     if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
@@ -105,7 +111,7 @@ void add_times(Json& json, const ProgramResult& result) {
   if (result.peak_memory > 0) json["peak_memory_bytes"] = result.peak_memory;
   json["control_must"] = control_needs(result);
   json["not_considered"] = Json::array();
-  for (const NotConsidered what : not_considered(result.task_machine))
+  for (const NotConsidered what : not_considered(moved_machine(result)))
     json["not_considered"].push_back(to_string(what));
   if (result.servo)
     json["servo"] = {{"settling_s", result.servo->settling},

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +13,7 @@
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/result/axis_loads.hpp>
 #include <accdec/plan/result/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>
@@ -38,7 +41,7 @@ class SummaryText {
     feeds();
     limits();
     control();
-    put("\n  ignored: {}\n", not_considered_text(result_.task_machine, rated()));
+    put("\n  ignored: {}\n", not_considered_text(moved_machine(result_), rated()));
     put("  planned and verified in {:.3g} s", result_.solver.wall_time);
     if (result_.peak_memory > 0) put(", at most {:.0f} MB of memory", static_cast<double>(result_.peak_memory) * 1e-6);
     put("\n");
@@ -176,9 +179,12 @@ class SummaryText {
   }
 
   /// Whether the ratings of all axes with a load were considered.
-  bool rated() const {
-    return !result_.loads.empty() &&
-           std::ranges::all_of(result_.loads, [](const AxisLoad& load) { return load.rms_max < unlimited; });
+  std::vector<std::string> rated() const {
+    std::vector<std::string> names;
+    for (const AxisLoad& load : result_.loads) {
+      if (load.rms_max < unlimited) names.push_back(load.axis);
+    }
+    return names;
   }
 
   void limits() {

@@ -90,6 +90,22 @@ class Planning {
     if (kept_ || deadline_.over() || least_kept(path) >= best_.plan.simulation.samples) return;
     if (!slower_in_parts(path)) keep(path, true);
   }
+  /// Offers a plan at the programmed feeds that held when the filter was chosen, if the time ended since.
+  void as_known(const Toolpath& path, const KnownPlan& known) {
+    const std::size_t blocks = path.blocks();
+    if (!deadline_.over() || known.delays.size() != blocks || known.duration.size() != blocks) return;
+    ScheduledPlan plan{path, {}};
+    plan.path.duration = known.duration;
+    plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, known.delays);
+    plan.plan.slowed = known.slowed;
+    snap(plan);
+    if (!all_holds(plan.plan)) return;
+    if (!result_.cycle_time_kept) {
+      base_ = plan.path;
+      result_.cycle_time_kept = kept_ = seconds(plan.plan);
+    }
+    offer(std::move(plan), false);
+  }
   /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
   void tune(const Toolpath& path, Feeds feeds) {
     if (deadline_.over() || !kept_) return;
@@ -300,7 +316,7 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 }  // namespace
 
 ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
-                          bool filter_bound, Feeds feeds, const Deadline& deadline) {
+                          bool filter_bound, Feeds feeds, const Deadline& deadline, const KnownPlan& known) {
   if (task.settings && task.settings->in_position_latency > 0.0)
     throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
   const auto start = std::chrono::steady_clock::now();
@@ -318,6 +334,7 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
   if (feeds != Feeds::keep && !written) planning.choose(path);
   if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
   if (!keep && feeds != Feeds::choose_only && !written) planning.compare_kept(path);
+  planning.as_known(path, known);
   planning.stop(path, feeds != Feeds::keep);
   planning.cool();
   path = {};

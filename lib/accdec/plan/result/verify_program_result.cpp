@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/verify_settings.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
@@ -192,7 +193,10 @@ class CommandCheck {
     if (i >= limits.size() || limits[i].kind != use.kind() || limits[i].axis != axis)
       return wrong(fmt::format("limits[{}] should be {}", i, name));
     const LimitUse& recorded = limits[i];
-    if (recorded.bound != use.bound())
+    if (const std::string then = unit_of_before(use.kind(), axis, recorded.bound, use.bound()); !then.empty())
+      return std::ranges::count(report_.reasons, then) > 0 ? void() : wrong(then);
+    // That of an axis that turns was converted to rad and back.
+    if (std::abs(recorded.bound - use.bound()) > (is_rotary(axis) ? 1e-15 * use.bound() : 0.0))
       wrong(fmt::format("{}: bound is recorded as {:.9g}, the task's is {:.9g}", name, recorded.bound, use.bound()));
     // The planner looks for the largest distance down to the precision of positions.
     const double floor = rounding + (use.kind() == LimitKind::contour ? position_floor / use.bound() : 0.0);
