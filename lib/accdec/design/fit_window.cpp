@@ -146,9 +146,10 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
   Eigen::Index row = 0;
   for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) {
     const double weight = command_.weights(axis);
-    for (Eigen::Index r = 0; r < rows && weight > 0.0; ++r, ++row) {
+    if (!(weight > 0.0)) continue;
+    for (Eigen::Index r = 0; r < rows; ++r, ++row) {
       const int k = rows_[static_cast<std::size_t>(r)];
-      b(row) = weight * (at_(r, axis) - fit.coefficients(0, axis));
+      b(row) = weight * at_(r, axis);
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
         for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
@@ -159,6 +160,9 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
         a(row, i) = weight * way;
       }
     }
+    // Without the means, any start of the axis fits.
+    a.middleRows(row - rows, rows).rowwise() -= a.middleRows(row - rows, rows).colwise().mean().eval();
+    b.segment(row - rows, rows).array() -= b.segment(row - rows, rows).mean();
   }
   const double scale = a.cwiseAbs().maxCoeff();
   const Eigen::VectorXd taps =
