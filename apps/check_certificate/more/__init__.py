@@ -1,3 +1,3 @@
 """What no shipped proof uses: kinds of tasks, limits, rows, nodes and filters that are added to the tables of the core,
 and functions that take the place of functions of the core. Imported once something is not known there."""
-from more import contradictions, corner_feeds, families, members, rows, tasks, tree  # noqa: F401
+from more import contradictions, corner_feeds, families, instances, members, rows, tasks, tree  # noqa: F401
