@@ -14,6 +14,7 @@
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/circle_json.hpp>
+#include <accdec/formats/instance_proof_json.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task/verification_cost.hpp>
@@ -50,12 +51,21 @@ bool too_long(const std::string& path, std::string_view what, double seconds, do
   return true;
 }
 
+void verify_instance_proof(const std::string& text, const std::string& path, double end, Context& context) {
+  const auto began = std::chrono::steady_clock::now();
+  const CheckReport check =
+      check_instance_proof(parse_instance_proof(text, path), [&] { return seconds_since(began) > end; });
+  if (!check.accepted) context.exit_code = exit_no_answer;
+  if (context.quiet) return;
+  fmt::print("{}{}\n", check.accepted ? "proof accepted: " : "rejected\n  ", printable(check.reason));
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("verify", "Recheck a result and its certificate independently");
-  command->add_option("result", *path, "Result file of evaluate, design or program")
+  command->add_option("result", *path, "Result file of evaluate, design or program, or proof of instances")
       ->required()
       ->type_name("RESULT.json");
   auto limit = std::make_shared<double>(60.0);
@@ -68,6 +78,7 @@ void add_verify(CLI::App& app, Context& context) {
     if (too_long(*path, "reading it", reading_seconds(*path), *limit, context)) return;
     const std::string text = read_text_file(*path, result_file_limit);
     if (schema_of_program(text)) return verify_program(text, *path, *limit, seconds_since(began), context);
+    if (is_instance_proof(text)) return verify_instance_proof(text, *path, *limit - seconds_since(began), context);
     const DesignResult result = parse_result(text, *path);
     const double reading = seconds_since(began);
     if (too_long(*path, reading > 0.5 ? "reading it and simulating the design" : "simulating the design",

@@ -17,7 +17,7 @@ from tree import Tree
 # Members of each kind of certificate; those that are lists.
 MEMBERS = {"packed": {"gzip"}, "enumeration": set(), "families": {"bound_samples", "refuted", "taps"},
            "branch and bound": set("objective runs tolerance bound_samples conflict multipliers lemmas tree".split())}
-LISTS = {"conflict", "multipliers", "lemmas", "tree", "refuted"}
+LISTS, STATUSES = {"conflict", "multipliers", "lemmas", "tree", "refuted"}, {"optimal", "feasible", "infeasible"}
 
 
 def _decimal(text):
@@ -109,8 +109,7 @@ def branch_and_bound(result, problem, certificate):
     refuse_if(problem.corner_feeds, "the certificate is about corners at their feeds, the control may pass them slower")
     refuse_if(certificate["objective"] != problem.objective, "the certificate is about another objective than the task")
     refuse_if(number(certificate.get("tolerance", WIDER - 1)) != WIDER - 1, "the certificate is about other limits")
-    other = problem.objective == "cycle" and number(certificate["runs"]) != problem.runs
-    refuse_if(other, "the certificate is about other runs than the task")
+    refuse_if(problem.objective == "cycle" and number(certificate["runs"]) != problem.runs, "it is about other runs")
     target = target_of(result, problem, "lower_bound_s", certificate["bound_samples"])
     subject, end = searched(problem, certificate, target)
     leaves = Tree(subject, certificate, end).leaves
@@ -136,16 +135,19 @@ def of_families(result, problem, certificate):
 CHECKS = {"enumeration": enumeration, "branch and bound": branch_and_bound, "families": of_families}
 
 
+def proved(result):
+    refuse_if(result.get("certificate") is None and result["schema"] == "accdec.result/1", "there is no certificate")
+    refuse_if(result["schema"] != "accdec.result/1" or result["status"] not in STATUSES, "the schema or status", NotCovered)
+    problem, certificate = problems.read(result["task"]), known(unpacked(result["certificate"]), CHECKS)
+    return CHECKS[certificate["kind"]](result, problem, certificate)
+
+
 def check_by_what_is_known(text):
     try:
         result = parse(text.removeprefix("\ufeff"))  # a byte order mark
         if result.get("settings") is not None and util.find_spec("more"):
             import_module("more")
-        refuse_if(result.get("certificate") is None, "there is no certificate")
-        right = result["schema"] == "accdec.result/1" and result["status"] in ("optimal", "feasible", "infeasible")
-        refuse_if(not right, f"the status {result['status']!r}, or the result's schema", NotCovered)
-        problem, certificate = problems.read(result["task"]), known(unpacked(result["certificate"]), CHECKS)
-        return CHECKS[certificate["kind"]](result, problem, certificate)
+        return proved(result)
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, zlib.error) as error:
         raise Refused(f"it cannot be read: {type(error).__name__}: {error}") from error
 

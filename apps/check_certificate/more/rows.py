@@ -208,6 +208,7 @@ def direction(narrow, self, at, into, out):
 
 
 def range_error(row, j, angle, a, a_after, a_high, b, b_after, b_high):
+    refuse_if("t" in row.box.ranges, "a multiplier names samples where errors are bounded at instants")
     (d1, d2, k1, k2), (of_p, of_q), corners = row.box.corners[j], row.seen(j, angle, False), len(row.box.corners)
     # p_k >= p_a - z G, z = k - a, G = 1 - B_e, and z G <= z0 G + g (z - z0)
     e = row.responses(a + a_after)

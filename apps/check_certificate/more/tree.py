@@ -31,7 +31,7 @@ def symmetric_tree(tree, ranges, depth, order):
     elif node == "unreachable":
         tree.leaves += 1
         refuse_if(tree.limits.tube(part) is not None, f"{part} is called unreachable, but is not")
-    else:
+    elif not tree.refutes_otherwise(node, part):
         for half in tree.halves(node, ranges, "Br"):
             symmetric_tree(tree, half, depth + 1, order)
 
@@ -107,6 +107,7 @@ def node_of_lemma_from(narrow, self, ranges, depth, window):
 
 
 Tree.least = []
+Tree.refutes_otherwise = lambda self, node, part: False
 
 
 @widens(Tree, "halves")

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -23,14 +25,39 @@ std::vector<double> CheckedLeaves::least_of_taps(CheckedSum& sum, bool symmetric
   return least;
 }
 
-void CheckedLeaves::refute(int index, CheckedBox box, bool symmetric) {
+const proof::Multipliers& CheckedLeaves::set(int index) const {
   if (index < 0 || index >= static_cast<int>(multipliers_.size()))
     throw Rejected("the tree names multipliers that are not there");
+  return multipliers_[static_cast<std::size_t>(index)];
+}
+
+void CheckedLeaves::refute_instants(const proof::RefutedInstants& node, CheckedBox box, bool symmetric) {
+  if (!box.instants) throw Rejected("the tree refutes instants, which are none of a design");
+  constexpr double most = 1e8;
+  if (!(std::abs(node.in) <= most && std::abs(node.out) <= most)) throw Rejected("a tangent is out of range");
+  std::optional<double> angle;
+  for (const int index : {node.first, node.last}) {
+    for (const proof::Term& term : set(index)) {
+      const auto* error = std::get_if<proof::Error>(&term.row);
+      if (error == nullptr) continue;
+      if (angle.value_or(error->angle) != error->angle)
+        throw Rejected("instants are refuted by errors in more than one direction");
+      angle = error->angle;
+    }
+  }
+  box.tangents = CheckedTangents{node.in, node.out, box.instants->first};
+  refute(node.first, box, symmetric);
+  box.tangents->at = box.instants->last;
+  refute(node.last, box, symmetric);
+}
+
+void CheckedLeaves::refute(int index, CheckedBox box, bool symmetric) {
+  const proof::Multipliers& rows = set(index);
   ++checked_;
   CheckedSum sum(box.order, box.window);
   sum.delays.resize(box.corners.size());
   sum.samples.resize(box.corners.size());
-  for (const proof::Term& term : multipliers_[static_cast<std::size_t>(index)]) {
+  for (const proof::Term& term : rows) {
     if (stop_ && stop_()) throw Rejected("it could not be checked in the time allowed");
     rows_.add(term, box, sum);
   }

@@ -47,6 +47,15 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ReversalSplit& n, c
   return both;
 }
 
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::InstantSplit& n, const CheckedBox& whole) {
+  if (!whole.instants) throw Rejected("the tree splits instants, which are none of a design");
+  if (!(n.at >= whole.instants->first && n.at <= whole.instants->last))
+    throw Rejected("the tree splits outside the box");
+  std::pair<CheckedBox, CheckedBox> both{whole, whole};
+  both.first.instants->last = both.second.instants->first = n.at;
+  return both;
+}
+
 std::string describe(const CheckedBox& box) {
   std::string text = fmt::format("order up to {}", box.order);
   for (const CheckedRange& r : box.corners)
@@ -55,6 +64,7 @@ std::string describe(const CheckedBox& box) {
     text += fmt::format(", B_{} {} {:.6g}", c.sample, c.upper ? "<=" : ">=", c.level);
   for (const CheckedReversal& r : box.reversals)
     text += fmt::format(", corner {}'s axis {} reverses at {} .. {}", r.corner, r.axis, r.first, r.last);
+  if (box.instants) text += fmt::format(", instants {:.9g} .. {:.9g}", box.instants->first, box.instants->last);
   return text;
 }
 

@@ -19,6 +19,9 @@ std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ContourSplit& split
 /// The parts in which an axis reverses up to a sample, and after it.
 /// @throws Rejected if the sample is not inside the range
 std::pair<CheckedBox, CheckedBox> checked_parts(const proof::ReversalSplit& split, const CheckedBox& whole);
+/// The parts with an instant at most a value, and at least that value.
+/// @throws Rejected if the part is not about instants, or the value is outside the range
+std::pair<CheckedBox, CheckedBox> checked_parts(const proof::InstantSplit& split, const CheckedBox& whole);
 /// The box in words, for what is said about it.
 std::string describe(const CheckedBox& box);
 

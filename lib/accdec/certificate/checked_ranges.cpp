@@ -27,6 +27,7 @@ Touch touch(const proof::Tangent& tangent) {
 void CheckedRows::add_row(const proof::RangeError& row, const Interval& weight, CheckedBox& box,
                           CheckedSum& sum) const {
   response_.require_ideal();
+  if (box.instants) throw Rejected("a multiplier names samples where errors are bounded at instants");
   const TaskCorner& c = corner(row.corner);
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
   const auto u = static_cast<std::size_t>(row.corner);

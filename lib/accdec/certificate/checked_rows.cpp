@@ -136,6 +136,10 @@ void CheckedRows::add_row(const proof::EventForce& row, const Interval& weight, 
 
 void CheckedRows::add_row(const proof::Error& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   const TaskCorner& c = corner(row.corner);
+  if (box.instants) {
+    response_.require_ideal();
+    return add_error_at_instant(row, c, period(), weight, box, sum);
+  }
   if (!c.error_max) throw Rejected("a multiplier names a limit that is not there");
   const CheckedRange& r = box.corners[static_cast<std::size_t>(row.corner)];
   const auto [cosine, sine] = checked_angle(c.geometry());

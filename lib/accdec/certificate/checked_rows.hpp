@@ -28,18 +28,32 @@ struct CheckedReversal {
   int first = 0, last = std::numeric_limits<int>::max();
 };
 
+/// Instants of one corner, real numbers of samples, and the delay that the corner has or undercuts.
+struct CheckedInstants {
+  int corner = 0;
+  double delay = 0.0, first = 0.0, last = 0.0;
+};
+
+/// Bounds a corner's error below at the instant `at`, by tangents of both distances. Leg 1's touches at the instant
+/// `in`, leg 2's `out` samples after its start.
+struct CheckedTangents {
+  double in = 0.0, out = 0.0, at = 0.0;
+};
+
 /// A part of all designs: filters up to `order`, delays and samples in the ranges, responses within the cuts.
 struct CheckedBox {
   std::vector<CheckedRange> corners;
   std::vector<CheckedCut> cuts;
   std::vector<CheckedReversal> reversals;  ///< from splits; others may be at any sample
   int order = -1;
-  int order_least = 0, order_most = -1;  ///< from splits on the order
-  std::optional<double> budget;          ///< upper bound on what the target leaves of sum_j w_j (d_j - d1_j)
-  std::optional<CheckedTube> tube;       ///< only if a row needs it
-  bool in_position = false;              ///< one width gives the delays of all corners
-  bool window = false;                   ///< filters of any order: the first and the last tap stand for many
-  bool nothing_left = false;             ///< the tube is empty: no filter is in the box
+  int order_least = 0, order_most = -1;     ///< from splits on the order
+  std::optional<double> budget;             ///< upper bound on what the target leaves of sum_j w_j (d_j - d1_j)
+  std::optional<CheckedTube> tube;          ///< only if a row needs it
+  std::optional<CheckedInstants> instants;  ///< only of refutations; errors are then bounded by `tangents`
+  std::optional<CheckedTangents> tangents;
+  bool in_position = false;   ///< one width gives the delays of all corners
+  bool window = false;        ///< filters of any order: the first and the last tap stand for many
+  bool nothing_left = false;  ///< the tube is empty: no filter is in the box
 
   CheckedReversal reversal(int corner, int axis) const {
     for (const CheckedReversal& r : reversals)
@@ -167,6 +181,10 @@ class CheckedRows {
   CheckedTapBounds bounds_;
 };
 
+/// The error of a corner at an instant of the box, in checked_instants.cpp.
+/// @throws Rejected if the box has no tangents of this corner, or the direction does not grow with both distances
+void add_error_at_instant(const proof::Error& row, const TaskCorner& corner, const Interval& period,
+                          const Interval& weight, const CheckedBox& box, CheckedSum& sum);
 /// @throws Rejected if a limit is not given
 void require_limit(double bound);
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/certificate/instance_proof.hpp>
 #include <accdec/design/formulation.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task.hpp>
@@ -106,6 +107,8 @@ struct Reference {
   double lower = 0.0, upper = 0.0;  ///< of the objective; upper infinite unless proof is optimal
   std::string method;               ///< the method in words
   long work = 0;                    ///< linear programs solved
+  std::shared_ptr<const InstanceProof>
+      refutation{};  ///< of `margin` and `delay`: why nothing is below; null: not known
 };
 std::string_view to_string(Reference::Proof proof);
 

@@ -11,6 +11,7 @@
 
 #include <accdec/comparison/comparison_case.hpp>
 #include <accdec/comparison/reference_delay.hpp>
+#include <accdec/comparison/reference_proof.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/limit_rows.hpp>
 #include <accdec/exact/exact.hpp>
@@ -95,17 +96,22 @@ double margin_of(const Task& task, const Filter& filter, const std::vector<int>&
   return worst;
 }
 
-Reference infeasible(std::string method, long work) {
-  return {Reference::Proof::infeasible, infinity, infinity, std::move(method), work};
+Reference infeasible(std::string method, long work, std::shared_ptr<const InstanceProof> why = nullptr) {
+  return {Reference::Proof::infeasible, infinity, infinity, std::move(method), work, std::move(why)};
 }
 
 /// A proof of infeasibility without any tolerance, or a filter that holds the convex limits.
-std::optional<Reference> no_filter_at_all(const Task& task, const CaseSpec& spec, const std::vector<int>& delays,
-                                          const std::vector<int>& samples, std::optional<Filter>& filter) {
-  if (order_lower_bound(spec.task, spec.order) > spec.order)
-    return infeasible("fastest start within the limits takes a larger order", 0);
+std::optional<Reference> no_filter_at_all(const Task& task, const ComparisonCase& subject,
+                                          const std::vector<int>& delays, const std::vector<int>& samples,
+                                          std::optional<Filter>& filter) {
+  const CaseSpec& spec = subject.spec();
+  const bool too_short = order_lower_bound(spec.task, spec.order) > spec.order;
   const exact::Outcome outcome = solve(task, spec, delays, samples, infinity);
-  if (outcome.kind == exact::Outcome::refuted) return infeasible("linear program refuted by its dual multipliers", 1);
+  std::shared_ptr<const InstanceProof> why;
+  if (too_short || outcome.kind == exact::Outcome::refuted)
+    why = instance_proof_of(subject, std::nullopt, one_part(certificate_of(task, outcome)));
+  if (too_short) return infeasible("fastest start within the limits takes a larger order", 0, why);
+  if (why) return infeasible("linear program refuted by its dual multipliers", 1, why);
   if (outcome.kind == exact::Outcome::feasible) filter = outcome.filter;
   return std::nullopt;
 }
@@ -166,7 +172,7 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   const CaseSpec& spec = subject.spec();
   Task task = with_frequencies(spec);
   std::optional<Filter> filter;
-  if (const auto none = no_filter_at_all(task, spec, spec.delays, subject.samples(), filter)) return *none;
+  if (const auto none = no_filter_at_all(task, subject, spec.delays, subject.samples(), filter)) return *none;
   Reference reference{Reference::Proof::bound, 0.0, infinity, "exact bound"};
   const double trial = filter ? std::sqrt(margin_of(task, *filter, spec.delays, subject.samples())) : 1.0;
   for (TaskCorner& corner : task.corners) {
@@ -184,8 +190,9 @@ Reference margin_reference(const ComparisonCase& subject, double time_limit) {
   }
   reference.lower = search.lower * search.lower;
   reference.work = search.linear_programs();
+  reference.refutation = instance_proof_of(subject, reference.lower, one_part(search.proof()));
   if (!search.best && search.lower > largest_error_scale(subject.spec().task, spec.order))
-    return infeasible("exact: linear programs that refute every corner error", reference.work);
+    return infeasible("exact: linear programs that refute every corner error", reference.work, reference.refutation);
   if (!search.best) return reference;
   const auto& problem = dynamic_cast<const MarginProblem&>(*subject.problem(true));
   std::vector<double> x = problem.start_from(*search.best);
@@ -231,7 +238,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   const Task task = with_frequencies(spec);
   std::optional<Filter> filter;
   if (const auto none =
-          no_filter_at_all(task, spec, subject.blend_delays(), std::vector<int>(task.corners.size(), 0), filter))
+          no_filter_at_all(task, subject, subject.blend_delays(), std::vector<int>(task.corners.size(), 0), filter))
     return *none;
   std::vector<std::size_t> free, given;
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
@@ -244,6 +251,7 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
   const auto began = std::chrono::steady_clock::now();
   std::vector<Task> tasks(free.size(), task);  // kept: searches refer to them
   std::vector<std::unique_ptr<DelaySearch>> searches;
+  std::vector<InstanceProof::Part> parts;
   for (std::size_t n = 0; n < free.size(); ++n) {
     const std::size_t j = free[n];
     for (std::size_t i = 0; i < task.corners.size(); ++i) {
@@ -258,16 +266,19 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
       return upper <= enough ? infinity : share * closed * std::max(1.0 / task.corners[j].weight, upper);
     });
     reference.work += searches.back()->linear_programs();
+    if (const auto& why = searches.back()->proof(); why && (all_given || searches.back()->lower > 0.0))
+      parts.push_back({static_cast<int>(j), searches.back()->lower, *why});
     // A delay of more than the order is an exact stop, which changes nothing any more.
     if (!searches.back()->best && searches.back()->lower > spec.order + 1.0)
       return infeasible("exact: linear programs that refute every delay of corner " + task.corners[j].name,
-                        reference.work);
+                        reference.work, instance_proof_of(subject, std::nullopt, parts));
     if (!all_given)
       reference.lower += task.corners[j].weight * searches.back()->lower;
     else if (searches.back()->lower > enough + closed * std::max(1.0, enough))
       return infeasible("exact: linear programs that refute the given delay of corner " + task.corners[j].name,
-                        reference.work);
+                        reference.work, instance_proof_of(subject, std::nullopt, parts));
   }
+  if (!all_given) reference.refutation = instance_proof_of(subject, reference.lower, std::move(parts));
   reference.method = free.size() > 1 ? "exact bound: the sum of what each corner needs on its own" : "exact bound";
   std::vector<Filter> made;
   for (const auto& search : searches) {

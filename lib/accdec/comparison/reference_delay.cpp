@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <accdec/comparison/reference_delay.hpp>
 
@@ -61,7 +62,8 @@ std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Bo
     in += term.multiplier * model().weight_in(corner_, error->angle) / model().scale_in(corner_);
     out += term.multiplier * model().weight_out(corner_, error->angle) / model().scale_out(corner_);
   }
-  if (in == 0.0 && out == 0.0) return {};  // it has no part in the proof, so the proof holds at every instant
+  // It has no part in the proof, so the proof holds at every instant.
+  if (in == 0.0 && out == 0.0) return ReferenceSearch::left(y, box, part);
   const double theta = model().theta(corner_), right = 0.5 * std::numbers::pi - 1e-12;
   const double cosine = std::cos(theta), sine = std::sin(theta);
   exact::Box end = box;
@@ -72,25 +74,40 @@ std::vector<Part> DelaySearch::left(const exact::Multipliers& y, const exact::Bo
   if (here.kind != exact::Outcome::refuted) {  // no single cut is enough: only this instant is refuted
     std::vector<Part> halves(2, part);
     halves[0].high = halves[1].low = middle;
+    std::tie(halves[0].node, halves[1].node) = record().split(part.node, proof::InstantSplit{middle});
     return halves;
   }
   /// How far the cut reaches to one side.
-  const auto reach = [&](double sign) {
+  const auto reach = [&](double sign, exact::Multipliers& at_end) {
     double shift = half;
     for (int i = 0; i < 6; ++i) {
       end.distances[corner_] = at(middle, sign * shift);
       const exact::Outcome o = solve(end, false);
-      if (o.kind == exact::Outcome::refuted) return shift;
+      if (o.kind == exact::Outcome::refuted) {
+        at_end = o.multipliers;
+        return shift;
+      }
       if (o.kind != exact::Outcome::feasible) return 0.0;
       // The excess is concave in the shift: this side of the secant's zero is refuted.
       shift *= 0.98 * here.excess / (here.excess - std::min(o.excess, 0.0));
     }
     return 0.0;
   };
-  const double before = reach(-1.0), after = reach(1.0);
+  exact::Multipliers first = here.multipliers, last = first;
+  const double before = reach(-1.0, first), after = reach(1.0, last);
   std::vector<Part> rest;
-  if (before < half) rest.push_back(part), rest.back().high = middle - before;
-  if (after < half) rest.push_back(part), rest.back().low = middle + after;
+  int node = part.node;
+  if (before < half) {
+    rest.push_back(part), rest.back().high = middle - before;
+    std::tie(rest.back().node, node) = record().split(node, proof::InstantSplit{middle - before});
+  }
+  if (after < half) {
+    rest.push_back(part), rest.back().low = middle + after;
+    std::tie(node, rest.back().node) = record().split(node, proof::InstantSplit{middle + after});
+  }
+  // Tangents at smaller delays, which the search may go on to, begin as late after leg 2's start.
+  const int at_first = record().keep(std::move(first)), at_last = record().keep(std::move(last));
+  record().close(node, proof::RefutedInstants{middle, middle - delay_, at_first, at_last});
   return rest;
 }
 

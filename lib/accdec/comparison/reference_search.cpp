@@ -31,7 +31,8 @@ ReferenceSearch::ReferenceSearch(const Task& task, int order, const std::vector<
   for (const int d : delays) box_.corners.push_back({d, d, 0, 0});
 }
 
-std::vector<Part> ReferenceSearch::left(const exact::Multipliers&, const exact::Box&, const Part&) {
+std::vector<Part> ReferenceSearch::left(const exact::Multipliers& y, const exact::Box&, const Part& part) {
+  record_.close(part.node, proof::Refuted{record_.keep(y)});
   return {};
 }
 
@@ -79,6 +80,7 @@ void ReferenceSearch::descend(double least) {
 
 ReferenceSearch::Answer ReferenceSearch::below(double value, double gap) {
   std::vector<Part> parts = all();
+  record_ = {};
   const auto lower_target = [&] {
     descend(0.3 * gap);
     value = std::min(value, upper - gap);
@@ -89,7 +91,10 @@ ReferenceSearch::Answer ReferenceSearch::below(double value, double gap) {
     parts.pop_back();
     exact::Box box = box_;
     box.path = part.path;
-    if (!model_.convex() && !model_.shrink(box)) continue;
+    if (!model_.convex() && !model_.shrink(box)) {
+      record_.close(part.node, proof::Unreachable{});
+      continue;
+    }
     place(part, value, box);
     const exact::Outcome outcome = relaxation_.solve(box, symmetric(), part.low < part.high);
     if (outcome.kind == exact::Outcome::refuted) {
@@ -120,13 +125,16 @@ ReferenceSearch::Answer ReferenceSearch::below(double value, double gap) {
     }
     if (split->sample == 0 || part.depth >= deepest) return Answer::unknown;
     ++part.depth;
+    const auto [below_level, above_level] = record_.split(part.node, proof::ResponseSplit{split->sample, split->level});
     for (const bool upper_side : {false, true}) {
       Part half = part;
+      half.node = upper_side ? below_level : above_level;
       half.path.push_back({split->sample, upper_side, split->level});
       parts.push_back(std::move(half));
     }
   }
   lower = value;
+  proof_ = record_.certificate(model_.task());
   return Answer::refuted;
 }
 

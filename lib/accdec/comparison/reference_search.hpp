@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include <accdec/comparison/refutation_tree.hpp>
 #include <accdec/exact/search.hpp>
 
 namespace accdec::comparison {
@@ -13,6 +15,7 @@ struct Part {
   std::vector<exact::SumBound> path;
   double low = 0.0, high = 0.0;
   int depth = 0;  ///< splits so far
+  int node = 0;   ///< of the tree that records the refutation
 };
 
 /// Least value of a question (an error scale, a delay) over the filters of one order: a bracket, narrowed by branch and
@@ -34,6 +37,8 @@ class ReferenceSearch {
   double lower = 0.0;          ///< nothing is below
   std::optional<Filter> best;  ///< with value `upper`
   double upper;                ///< infinite before `best`
+  /// Why nothing is up to `lower`; null while nothing is refuted.
+  const std::shared_ptr<const Certificate>& proof() const { return proof_; }
   long linear_programs() const { return relaxation_.linear_programs(); }
 
  protected:
@@ -41,7 +46,7 @@ class ReferenceSearch {
   virtual void place(const Part& part, double value, exact::Box& box) = 0;
   /// Value of a filter that holds the limits; infinite if it does not.
   virtual double value_of(const Filter& filter, const Part& part) = 0;
-  /// The parts left after multipliers refuted a part at `box`.
+  /// Records that multipliers refuted a part at `box`. @return the parts that are left of it
   virtual std::vector<Part> left(const exact::Multipliers& y, const exact::Box& box, const Part& part);
   exact::Outcome solve(const exact::Box& box, bool strongest) { return relaxation_.solve(box, symmetric(), strongest); }
   virtual std::vector<Part> all() const { return {Part{}}; }
@@ -53,6 +58,7 @@ class ReferenceSearch {
 
   bool symmetric() const { return model_.task().design.symmetric; }
   int order() const { return box_.order; }
+  RefutationTree& record() { return record_; }
   const exact::LimitModel& model() const { return model_; }
   /// Call when `place` changes tolerances of the task.
   void follow_tolerances() { model_.follow_tolerances(); }
@@ -66,6 +72,8 @@ class ReferenceSearch {
   /// Better filters near `best`, as long as they gain `least`.
   void descend(double least);
 
+  RefutationTree record_;
+  std::shared_ptr<const Certificate> proof_;
   exact::LimitModel model_;
   std::function<bool()> late_;
   exact::Relaxation relaxation_;

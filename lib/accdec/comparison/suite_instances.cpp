@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -13,9 +14,11 @@
 #include <accdec/comparison/suite_instances.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/exact/exact.hpp>
+#include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/results_folder.hpp>
 #include <accdec/files/text_file.hpp>
+#include <accdec/formats/instance_proof_json.hpp>
 #include <accdec/formats/manifest.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/task/contradictions.hpp>
@@ -154,6 +157,16 @@ class Writer {
       }
     } else {
       reference = reference_of(subject, limit);
+    }
+    if (reference.refutation) {
+      entry["at"] = place_to_json(*reference.refutation);
+      const auto began = std::chrono::steady_clock::now();
+      const CheckReport check =
+          check_instance_proof(*reference.refutation, [&] { return seconds_since(began) > limit; });
+      if (check.accepted) {
+        certificate = stem + ".proof.json";
+        files_.emplace_back(stem + ".proof.json", instance_proof_to_json(*reference.refutation));
+      }
     }
     if (reference.proof != Reference::Proof::bound) ++summary_.proved;
     entry["optimum"] = {{"proof", to_string(reference.proof)},

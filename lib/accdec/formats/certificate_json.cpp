@@ -103,6 +103,12 @@ auto parts(const proof::ContourSplit& n) {
 auto parts(const proof::ReversalSplit& n) {
   return std::tuple(n.corner, Name("r"), n.axis, n.at);
 }
+auto parts(const proof::InstantSplit& n) {
+  return std::tuple(Name("t"), n.at);
+}
+auto parts(const proof::RefutedInstants& n) {
+  return std::tuple(Name("instants"), n.in, n.out, n.first, n.last);
+}
 auto parts(const proof::OrderSplit& n) {
   return std::tuple(Name("N"), n.at);
 }

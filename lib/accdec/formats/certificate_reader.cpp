@@ -125,6 +125,9 @@ proof::Node read_node(const Entry& e) {
   if (json == "unreachable") return proof::Unreachable{};
   if (e.size() == 1 && e.is_text(0, "symmetric")) return proof::SymmetricOrders{};
   if (e.size() == 2 && e.is_text(0, "N")) return proof::OrderSplit{e.integer(1)};
+  if (e.size() == 2 && e.is_text(0, "t")) return proof::InstantSplit{e.number(1)};
+  if (e.size() == 5 && e.is_text(0, "instants"))
+    return proof::RefutedInstants{e.number(1), e.number(2), e.integer(3), e.integer(4)};
   if (e.size() == 2 && e.is_text(0, "lemma")) return proof::ByLemma{e.integer(1)};
   if (e.size() == 2) return proof::RefutedSymmetric{e.integer(0), e.integer(1)};
   if (e.size() == 3 && e.is_text(1, "B")) return proof::ResponseSplit{e.integer(0), e.number(2)};

@@ -194,8 +194,22 @@ struct ByLemma {
   bool operator==(const ByLemma&) const = default;
 };
 
+/// Instant at which a corner is passed, a real number of samples: at most `at` in the first part, at least `at` in the
+/// second. No design has such an instant: only refutations of single problems do.
+struct InstantSplit {
+  double at = 0.0;
+  bool operator==(const InstantSplit&) const = default;
+};
+/// All instants of a part refuted. The corner's error in one direction is bounded by tangents of both distances: of leg
+/// 1's at an instant, of leg 2's so many samples after its start. One set refutes the first instant, one the last.
+struct RefutedInstants {
+  double in = 0.0, out = 0.0;
+  int first = 0, last = 0;  ///< sets
+  bool operator==(const RefutedInstants&) const = default;
+};
+
 using Node = std::variant<TooLong, Unreachable, Refuted, RefutedSymmetric, SymmetricOrders, Split, OrderSplit,
-                          ResponseSplit, ByLemma, ContourSplit, ReversalSplit>;
+                          ResponseSplit, ByLemma, ContourSplit, ReversalSplit, InstantSplit, RefutedInstants>;
 
 // ---- Lemmas: no filter has delays of at most these for these corners together, whatever delays the others have. They
 // are proved once and used all over a tree.
