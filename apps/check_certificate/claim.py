@@ -137,7 +137,7 @@ CHECKS = {"enumeration": enumeration, "branch and bound": branch_and_bound, "fam
 
 def proved(result):
     refuse_if(result.get("certificate") is None and result["schema"] == "accdec.result/1", "there is no certificate")
-    refuse_if(result["schema"] != "accdec.result/1" or result["status"] not in STATUSES, "the schema or status", NotCovered)
+    refuse_if(result["schema"] != "accdec.result/1" or result["status"] not in STATUSES, "schema or status", NotCovered)
     problem, certificate = problems.read(result["task"]), known(unpacked(result["certificate"]), CHECKS)
     return CHECKS[certificate["kind"]](result, problem, certificate)
 

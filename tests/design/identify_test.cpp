@@ -225,19 +225,9 @@ TEST(Identify, NamesNoGaussianForFourTaps) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const Identification found = identify(simulated(taps, straight_legs, 5e-8, seed), task_of());
     right += found.fits.front().family == SettingFamily::taps ? 1 : 0;
+    EXPECT_LT(found.taps.rms, 6e-8) << seed;  // the true taps leave the noise
   }
   EXPECT_GE(right, 7);
-}
-
-/// The best taps leave no more than the true ones: the noise, whose mean over some 150 values differs by 6 % at most
-/// once in three. Taps that are left out because they are small must be made up for.
-TEST(Identify, FreeTapsAreNoWorseThanTheTrueOnes) {
-  constexpr double noise = 1e-7;
-  for (unsigned seed = 3; seed <= 10; ++seed) {
-    const Identification found =
-        identify(simulated({1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12}, straight_legs, {noise, 0.0}, seed), task_of());
-    EXPECT_LT(found.taps.rms, 1.2 * noise) << seed;
-  }
 }
 
 TEST(Identify, AnswersTapsWhereNoFamilyFits) {

@@ -138,7 +138,7 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
   return positions;
 }
 
-Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
+Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
   const std::vector<double> reached = moved(smoothing_);
   const auto rows = static_cast<Eigen::Index>(rows_.size());
   Eigen::MatrixXd a(rows * command_.axes(), order + 1);
@@ -168,6 +168,19 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
   const Eigen::VectorXd taps =
       nlp::nonnegative_least_squares(a / scale, b / scale, std::vector<char>(static_cast<std::size_t>(order) + 1, 1));
   return Filter({taps.data(), taps.data() + taps.size()});
+}
+
+Filter FitWindow::free_taps(CommandFit& fit, int order) const {
+  constexpr int most_rounds = 300;
+  constexpr double gain = 1e-5;
+  Filter found = taps_for(fit, order);
+  for (int round = 0; round < most_rounds; ++round) {
+    const double before = fit.squares;
+    fit = refit(found, fit);
+    if (round > 0 && fit.squares > (1.0 - gain) * before) break;
+    found = taps_for(fit, order);
+  }
+  return found;
 }
 
 }  // namespace accdec

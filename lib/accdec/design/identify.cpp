@@ -124,20 +124,6 @@ class Identifier {
     return std::sqrt(squares / std::max(1.0, free));
   }
 
-  /// The taps that fit best, and the ways with them. Ways are refitted with the taps, and taps with these ways: those
-  /// of a family's fit make up for its taps.
-  Filter taps_and_ways(CommandFit& fit, int order) const {
-    constexpr int most_rounds = 300;
-    Filter found = window_.free_taps(fit, order);
-    for (int round = 0; round < most_rounds; ++round) {
-      const double before = fit.squares;
-      fit = window_.refit(found, fit);
-      if (round > 0 && fit.squares > (1.0 - 1e-5) * before) break;
-      found = window_.free_taps(fit, order);
-    }
-    return found;
-  }
-
   void taps() {
     // A command that begins early enough for every first tap.
     const Filter like = make_filter(all_.front().fitted.filter);
@@ -149,16 +135,16 @@ class Identifier {
           "are {} or more",
           window_.values(), numbers, numbers + least_free));
     for (int& first : fit.first) first -= early;
-    const Filter found = taps_and_ways(fit, like.order() + 2 * early);
+    const Filter found = window_.free_taps(fit, like.order() + 2 * early);
     const std::vector<double> taps(found.taps().begin(), found.taps().end());
     // A tap is a second difference of positions, which has about the noise times the root of six.
     const double least = std::clamp(5.0 * rms(fit.squares, found.order() + 1) / command_.step, 1e-6, 1e-3);
     const auto counts = [=](double tap) { return tap >= least; };
     const auto begins = std::find_if(taps.begin(), taps.end(), counts);
     const auto ends = std::find_if(taps.rbegin(), taps.rend(), counts).base();
-    // What the taps that are left out have explained, the others must.
+    // The others must make up for the taps that are left out.
     for (int& first : fit.first) first += static_cast<int>(begins - taps.begin());
-    const Filter trimmed = taps_and_ways(fit, static_cast<int>(ends - begins) - 1);
+    const Filter trimmed = window_.free_taps(fit, static_cast<int>(ends - begins) - 1);
     taps_.family = SettingFamily::taps;
     taps_.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};
