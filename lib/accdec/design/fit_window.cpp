@@ -138,7 +138,7 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
   return positions;
 }
 
-Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
+Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
   const std::vector<double> reached = moved(smoothing_);
   const auto rows = static_cast<Eigen::Index>(rows_.size());
   Eigen::MatrixXd a(rows * command_.axes(), order + 1);
@@ -146,10 +146,9 @@ Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
   Eigen::Index row = 0;
   for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) {
     const double weight = command_.weights(axis);
-    if (!(weight > 0.0)) continue;
-    for (Eigen::Index r = 0; r < rows; ++r, ++row) {
+    for (Eigen::Index r = 0; r < rows && weight > 0.0; ++r, ++row) {
       const int k = rows_[static_cast<std::size_t>(r)];
-      b(row) = weight * at_(r, axis);
+      b(row) = weight * (at_(r, axis) - fit.coefficients(0, axis));
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
         for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
@@ -160,27 +159,11 @@ Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
         a(row, i) = weight * way;
       }
     }
-    // Without the means, any start of the axis fits.
-    a.middleRows(row - rows, rows).rowwise() -= a.middleRows(row - rows, rows).colwise().mean().eval();
-    b.segment(row - rows, rows).array() -= b.segment(row - rows, rows).mean();
   }
   const double scale = a.cwiseAbs().maxCoeff();
   const Eigen::VectorXd taps =
       nlp::nonnegative_least_squares(a / scale, b / scale, std::vector<char>(static_cast<std::size_t>(order) + 1, 1));
   return Filter({taps.data(), taps.data() + taps.size()});
-}
-
-Filter FitWindow::free_taps(CommandFit& fit, int order) const {
-  constexpr int most_rounds = 300;
-  constexpr double gain = 1e-5;
-  Filter found = taps_for(fit, order);
-  for (int round = 0; round < most_rounds; ++round) {
-    const double before = fit.squares;
-    fit = refit(found, fit);
-    if (round > 0 && fit.squares > (1.0 - gain) * before) break;
-    found = taps_for(fit, order);
-  }
-  return found;
 }
 
 }  // namespace accdec

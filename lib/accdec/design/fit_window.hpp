@@ -34,19 +34,16 @@ class FitWindow {
   CommandFit fit(const Filter& filter, int around) const;
   /// Position of every sample, by axis, m.
   std::vector<std::vector<double>> model(const Filter& filter, const CommandFit& fit) const;
-  /// Any taps >= 0 of this order with start and ways, by least squares.
-  /// @param fit  a command, of whose ways the taps are found first, then ways with the taps, and so on
-  Filter free_taps(CommandFit& fit, int order) const;
+  /// Any taps >= 0 of this order, by least squares; the command as of a fit.
+  Filter free_taps(const CommandFit& fit, int order) const;
+  /// The same command, with the ways that fit this filter best.
+  CommandFit refit(const Filter& filter, const CommandFit& fit) const;
   /// Values that are compared.
   long values() const { return static_cast<long>(rows_.size()) * command_.axes(); }
 
  private:
   CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first,
                     const std::vector<int>& count) const;
-  /// The same command, with the ways that fit this filter best.
-  CommandFit refit(const Filter& filter, const CommandFit& fit) const;
-  /// With the ways of a fit, and any start.
-  Filter taps_for(const CommandFit& fit, int order) const;
   const MotionLog& log_;
   const LoggedCommand& command_;
   Filter smoothing_;

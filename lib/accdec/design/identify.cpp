@@ -135,16 +135,24 @@ class Identifier {
           "are {} or more",
           window_.values(), numbers, numbers + least_free));
     for (int& first : fit.first) first -= early;
-    const Filter found = window_.free_taps(fit, like.order() + 2 * early);
-    const std::vector<double> taps(found.taps().begin(), found.taps().end());
+    // Ways are refitted with the taps, and taps with these ways: those of the family's fit make up for its taps.
+    Filter found = window_.free_taps(fit, like.order() + 2 * early);
+    constexpr int most_rounds = 30;
+    for (int round = 0; round < most_rounds; ++round) {
+      const double before = fit.squares;
+      fit = window_.refit(found, fit);
+      if (round > 0 && fit.squares > 0.99 * before) break;
+      found = window_.free_taps(fit, like.order() + 2 * early);
+    }
+    std::vector<double> taps(found.taps().begin(), found.taps().end());
     // A tap is a second difference of positions, which has about the noise times the root of six.
-    const double least = std::clamp(5.0 * rms(fit.squares, found.order() + 1) / command_.step, 1e-6, 1e-3);
+    const double least =
+        std::clamp(5.0 * rms(window_.fit(found, 2).squares, found.order() + 1) / command_.step, 1e-6, 1e-3);
     const auto counts = [=](double tap) { return tap >= least; };
+    while (taps.size() > 1 && !counts(taps.back())) taps.pop_back();
     const auto begins = std::find_if(taps.begin(), taps.end(), counts);
-    const auto ends = std::find_if(taps.rbegin(), taps.rend(), counts).base();
-    // The others must make up for the taps that are left out.
-    for (int& first : fit.first) first += static_cast<int>(begins - taps.begin());
-    const Filter trimmed = window_.free_taps(fit, static_cast<int>(ends - begins) - 1);
+    taps.erase(taps.begin(), begins);
+    const Filter trimmed(taps);
     taps_.family = SettingFamily::taps;
     taps_.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};

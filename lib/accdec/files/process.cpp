@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -50,7 +51,10 @@ class PipeSignalBlock {
 };
 
 /// Writes the input and reads both outputs to their end.
-void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOutput& result) {
+/// @param late  asked again and again, whether to end the child
+void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOutput& result,
+              const std::function<bool()>& late) {
+  constexpr int look = 100;  // ms between two looks at the clock
   ::fcntl(in.ends[1], F_SETFL, O_NONBLOCK);
   std::array<char, 65536> buffer{};
   const auto drain = [&](Pipe& pipe, std::string& text) {
@@ -67,7 +71,9 @@ void converse(Pipe& in, Pipe& out, Pipe& err, std::string_view input, ProcessOut
     }
     std::array<pollfd, 3> wait{pollfd{in.ends[1], POLLOUT, 0}, pollfd{out.ends[0], POLLIN, 0},
                                pollfd{err.ends[0], POLLIN, 0}};
-    if (::poll(wait.data(), wait.size(), -1) < 0) {
+    const int ready = ::poll(wait.data(), wait.size(), look);
+    if (late() && !result.killed) kill_running_process(), result.killed = true;
+    if (ready < 0) {
       if (errno == EINTR) continue;
       throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
     }
@@ -89,8 +95,8 @@ void kill_running_process() {
   if (const pid_t child = running.exchange(0); child > 0) ::kill(child, SIGKILL);
 }
 
-ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input,
-                          const std::string& package) {
+ProcessOutput run_process(const std::vector<std::string>& arguments, std::string_view input, const std::string& package,
+                          const Deadline& deadline, std::size_t most) {
   Pipe in, out, err;
   const PipeSignalBlock block;
   posix_spawn_file_actions_t actions;
@@ -118,7 +124,7 @@ ProcessOutput run_process(const std::vector<std::string>& arguments, std::string
   out.close(1);
   err.close(1);
   ProcessOutput result;
-  converse(in, out, err, input, result);
+  converse(in, out, err, input, result, [&] { return deadline.over() || result.output.size() > most; });
   running.store(0);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {

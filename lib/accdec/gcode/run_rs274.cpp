@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <chrono>
 #include <set>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -26,14 +28,24 @@ namespace accdec {
 namespace {
 
 constexpr std::size_t interpreter_line_max = 254;  // of rs274, characters
+constexpr int not_found = 127;                     // exit code of setpriv where there is no rs274
+constexpr double least_seconds = 10.0;             // that rs274 has, whatever the time limit
+constexpr std::size_t most_calls = 2'000'000'000;  // bytes that it prints: some 20 million moves
 
 /// Lets one rs274 run at a time: all keep their tools in one file of the machine, and would mix them up.
 class OneInterpreter {
  public:
-  OneInterpreter()
+  explicit OneInterpreter(const Deadline& deadline)
       : file_(::open((std::filesystem::temp_directory_path() / "accdec-rs274.lock").c_str(),
                      O_RDONLY | O_CREAT | O_CLOEXEC, 0666)) {
-    if (file_ >= 0) ::flock(file_, LOCK_EX);
+    while (file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      if (deadline.over()) {
+        ::close(file_);
+        throw std::invalid_argument(
+            "another accdec runs rs274, which runs once at a time: try again when it has ended");
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   }
   ~OneInterpreter() {
     if (file_ >= 0) ::close(file_);  // and unlocks
@@ -260,7 +272,8 @@ std::string numbered_lines(std::string_view text) {
 }
 
 Toolpath read_interpreted(const std::filesystem::path& program, const ProgramTools& tools, const Machine& machine,
-                          const ToolpathOptions& options) {
+                          const ToolpathOptions& options, const Deadline& deadline) {
+  const auto began = std::chrono::steady_clock::now();
   const std::string name = program.string(), text = read_text_file(name, result_file_limit);
   if (!tools.table.empty() && !std::filesystem::is_regular_file(tools.table))
     throw std::invalid_argument(tools.table + ": no such tool table (--tool-table)");
@@ -273,19 +286,28 @@ Toolpath read_interpreted(const std::filesystem::path& program, const ProgramToo
     table.emplace(in_inches(read_text_file(tools.table)));
   else if (tools.table.empty() && tools.length)
     table.emplace(table_of(*tools.length));
-  std::vector<std::string> arguments{"rs274", "-g"};
+  // rs274 goes on when nobody reads what it prints. So it is killed when this process ends, however that is.
+  std::vector<std::string> arguments{"setpriv", "--pdeathsig", "KILL", "rs274", "-g"};
   if (table || !tools.table.empty()) arguments.insert(arguments.end(), {"-t", table ? table->name() : tools.table});
   arguments.push_back(copy.name());
   ProcessOutput done;
+  const Deadline until(std::max(least_seconds, deadline.left()));
   try {
-    const OneInterpreter alone;
-    done = run_process(arguments, "", "linuxcnc-uspace");
-  } catch (const std::runtime_error&) {
+    const OneInterpreter alone(until);
+    done = run_process(arguments, "", "util-linux", until, most_calls);
+  } catch (const MissingProgram&) {
+    done.exit_code = not_found;
+  }
+  if (done.exit_code == not_found)
     throw std::invalid_argument(
         fmt::format("rs274, which reads such programs, is not installed: apt-get install linuxcnc-uspace. accdec reads "
                     "by itself: {} {}",
                     g_supported, m_supported));
-  }
+  if (done.killed)
+    throw std::invalid_argument(fmt::format(
+        "{}: rs274 was ended: it ran for {:.3g} s and printed {:.3g} MB of moves, at most {:g} MB are read. "
+        "Does a loop of the program end? --time-limit gives it more time",
+        name, seconds_since(began), 1e-6 * static_cast<double>(done.output.size()), 1e-6 * most_calls));
   if (done.exit_code != 0) throw std::invalid_argument(refusal(name, text, copy.name(), done.errors));
   refuse_own_tools(name, text, done.output, tools);
   refuse_set_tools(name, done.output, tools);

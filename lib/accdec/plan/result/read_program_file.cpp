@@ -148,7 +148,7 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
       throw std::invalid_argument(place + "neither accdec nor LinuxCNC reads this: " + foreign);
     }
     try {
-      result.path = read_interpreted(file, options.tools, task.machine, reading);
+      result.path = read_interpreted(file, options.tools, task.machine, reading, options.deadline);
     } catch (const ReadError&) {
       throw;
     } catch (const std::invalid_argument& refused) {
