@@ -58,6 +58,8 @@ PROBLEMS = {
     "short": problem(task(), "short", 4, 1, expected="infeasible"),
     "given": problem(task(corner="delay_samples = 2", error=3), "given", 11, formulation=["delay"],
                      expected="infeasible"),
+    "beside": problem(task(corner="delay_samples = 2", error=3) + SECOND, "beside", 11, formulation=["delay"],
+                      expected="infeasible"),
 }
 
 

@@ -246,37 +246,41 @@ Reference delay_reference(const ComparisonCase& subject, double time_limit) {
       (task.corners[j].delay ? given : free).push_back(j);
   }
   const bool all_given = free.empty();
-  if (all_given) free = given;
   Reference reference{Reference::Proof::bound, 0.0, infinity, "delays are not negative"};
   const auto began = std::chrono::steady_clock::now();
-  std::vector<Task> tasks(free.size(), task);  // kept: searches refer to them
+  // Those with a given delay, too: it may be shorter than any filter allows.
+  std::vector<std::size_t> corners = free;
+  corners.insert(corners.end(), given.begin(), given.end());
+  std::vector<Task> tasks(corners.size(), task);  // kept: searches refer to them
   std::vector<std::unique_ptr<DelaySearch>> searches;
   std::vector<InstanceProof::Part> parts;
-  for (std::size_t n = 0; n < free.size(); ++n) {
-    const std::size_t j = free[n];
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const std::size_t j = corners[n];
     for (std::size_t i = 0; i < task.corners.size(); ++i) {
       if (i != j) tasks[n].corners[i].error_max.reset();
     }
     const double left = time_limit - seconds_since(began);
     searches.push_back(std::make_unique<DelaySearch>(tasks[n], j, spec.order, subject.blend_delays(),
-                                                     timer(left / static_cast<double>(free.size() - n))));
+                                                     timer(left / static_cast<double>(corners.size() - n))));
+    DelaySearch& search = *searches.back();
     const double share = free.size() == 1 ? 1.0 : 0.2;
-    const double enough = all_given ? *task.corners[j].delay : -1.0;
-    searches.back()->run(spec.order + 1.0, [&](double upper) {
-      return upper <= enough ? infinity : share * closed * std::max(1.0 / task.corners[j].weight, upper);
+    const std::optional<int> delay = task.corners[j].delay;
+    search.run(spec.order + 1.0, [&](double upper) {
+      return delay && upper <= *delay ? infinity : share * closed * std::max(1.0 / task.corners[j].weight, upper);
     });
-    reference.work += searches.back()->linear_programs();
-    if (const auto& why = searches.back()->proof(); why && (all_given || searches.back()->lower > 0.0))
-      parts.push_back({static_cast<int>(j), searches.back()->lower, *why});
+    reference.work += search.linear_programs();
+    std::vector<InstanceProof::Part> alone;
+    if (search.proof()) alone.push_back({static_cast<int>(j), search.lower, *search.proof()});
     // A delay of more than the order is an exact stop, which changes nothing any more.
-    if (!searches.back()->best && searches.back()->lower > spec.order + 1.0)
+    if (!search.best && search.lower > spec.order + 1.0)
       return infeasible("exact: linear programs that refute every delay of corner " + task.corners[j].name,
-                        reference.work, instance_proof_of(subject, std::nullopt, parts));
-    if (!all_given)
-      reference.lower += task.corners[j].weight * searches.back()->lower;
-    else if (searches.back()->lower > enough + closed * std::max(1.0, enough))
+                        reference.work, instance_proof_of(subject, std::nullopt, alone));
+    if (delay && search.lower > *delay + closed * std::max(1.0, static_cast<double>(*delay)))
       return infeasible("exact: linear programs that refute the given delay of corner " + task.corners[j].name,
-                        reference.work, instance_proof_of(subject, std::nullopt, parts));
+                        reference.work, instance_proof_of(subject, std::nullopt, alone));
+    if (delay) continue;
+    reference.lower += task.corners[j].weight * search.lower;
+    if (search.lower > 0.0) parts.insert(parts.end(), alone.begin(), alone.end());
   }
   if (!all_given) reference.refutation = instance_proof_of(subject, reference.lower, std::move(parts));
   reference.method = free.size() > 1 ? "exact bound: the sum of what each corner needs on its own" : "exact bound";
