@@ -27,8 +27,7 @@ constexpr double fastest = 20.0;  // m/s; no axis of a machine tool comes near i
 class Identifier {
  public:
   Identifier(const MotionLog& log, const Task& task, const IdentifyOptions& options)
-      : log_(log),
-        task_(task),
+      : task_(task),
         options_(options),
         command_(command_in(log, options)),
         // The noise, and cascades that begin slowly, hide where a ramp begins and ends.
@@ -228,7 +227,6 @@ class Identifier {
     return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) < 1e-6; });
   }
 
-  const MotionLog& log_;
   const Task& task_;
   const IdentifyOptions& options_;
   LoggedCommand command_;
