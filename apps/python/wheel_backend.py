@@ -39,8 +39,8 @@ def build_folder(settings):
     if "build" in settings:
         return pathlib.Path(settings["build"]).resolve()
     if missing := [part for part in SOURCES if not (ROOT / part).exists()]:
-        raise SystemExit(f"{ROOT}: {missing[0]} is missing: the module is built from the whole project around apps/python, "
-                         "or from its source distribution")
+        raise SystemExit(f"{ROOT}: {missing[0]} is missing: the module is built from the whole project around "
+                         "apps/python, or from its source distribution")
     folder = ROOT / "build" / "wheel"
     run("cmake", "--preset", "release", "-B", folder, "-DACCDEC_PYTHON=ON", "-DACCDEC_BUILD_TESTS=OFF",
         "-DACCDEC_BUILD_BENCHMARKS=OFF", f"-DPython_EXECUTABLE={sys.executable}", cwd=ROOT)

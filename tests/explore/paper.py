@@ -38,8 +38,8 @@ def paper(page):
     shown = page.value("[...document.querySelectorAll('#controls output')].filter(o => o.getClientRects().length)"
                        ".map(o => [o.textContent, o.scrollWidth <= o.clientWidth + 1])")
     check([title, True] in shown and all(whole for _, whole in shown), "texts of fields are whole")
-    badge = page.value("(({color, backgroundColor: ground}) => [color, ground])(getComputedStyle(document.querySelector("
-                       "'#badge[data-is=proved]')))")
+    badge = page.value("(({color, backgroundColor: ground}) => [color, ground])("
+                       "getComputedStyle(document.querySelector('#badge[data-is=proved]')))")
     check(badge[1] == "rgba(0, 0, 0, 0)" and badge[0] not in ("rgb(255, 255, 255)", badge[1]),
           "a proof's badge needs no background to be read")
     empty = page.value("[...document.querySelectorAll('h2')].filter(h => h.getClientRects().length &&"

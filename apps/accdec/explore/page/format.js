@@ -40,8 +40,8 @@ const most_columns = 5; // of a table on a phone
 const longest_line = 60; // characters of a cell; a longer text has several lines
 
 /**
- * Rows of cells, each a text or an element. Numbers stand at the right, and so do columns `right`. On a phone the cells of a row of many stand
- * below each other, each with its heading.
+ * Rows of cells, each a text or an element. Numbers stand at the right, and so do columns `right`. On a phone the cells
+ * of a row of many stand below each other, each with its heading.
  */
 export function table(head, rows, { right = [], ...attributes } = {}) {
   const cards = head.filter(Boolean).length > most_columns;
