@@ -6,8 +6,8 @@
 
 #include <accdec/design.hpp>
 #include <accdec/design/anytime.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/families/quick_search.hpp>
 #include <accdec/task.hpp>
 #include <accdec/verify.hpp>
 
@@ -92,7 +92,7 @@ feed_in_mm_min = 6000
 error_max_um = 50
 )",
                          "task.toml");
-  const auto result = quick_member(task, 30.0);
+  const auto result = best_standard_shape(task, 30.0);
   ASSERT_TRUE(result.has_value());
   EXPECT_TRUE(verify_result(*result).accepted);
   // The sum over the taps at a frequency of the band, term by term.

@@ -13,9 +13,9 @@
 #include <accdec/design/larger_order.hpp>
 #include <accdec/design/merged_result.hpp>
 #include <accdec/design/smoothed_bound.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/families/quick_search.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
@@ -179,7 +179,7 @@ class Anytime {
 
   void shapes(double share) {
     if (over()) return;
-    if (auto result = quick_member(task_, std::min(share * options_.time_limit, left()), options_.cancel))
+    if (auto result = best_standard_shape(task_, std::min(share * options_.time_limit, left()), options_.cancel))
       offer_design(std::move(*result));
   }
 

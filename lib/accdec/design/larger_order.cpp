@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <accdec/design/larger_order.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/exact/first_designs.hpp>
 #include <accdec/exact/size.hpp>
-#include <accdec/families/quick_search.hpp>
 #include <accdec/files.hpp>
 
 namespace accdec {
@@ -39,7 +39,7 @@ std::string larger_order_note(const Task& task, double seconds, const std::atomi
     int order = best ? best->filter.order() : 0;
     if (!best) {
       longer.design.order_min = least;
-      const auto shape = quick_member(longer, 0.5 * seconds, cancel);
+      const auto shape = best_standard_shape(longer, 0.5 * seconds, cancel);
       if (!shape) return unknown;
       cycle_time = shape->objective(), order = shape->filter->order();
     }

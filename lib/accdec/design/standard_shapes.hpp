@@ -13,6 +13,7 @@ namespace accdec {
 /// large for every other method. The result is verified. None if no shape holds, or the time is up before one was
 /// verified.
 /// @param seconds  polled between filters: one filter at 10^5 corners takes a fraction of a second
-std::optional<DesignResult> quick_member(const Task& task, double seconds, const std::atomic<bool>* cancel = nullptr);
+std::optional<DesignResult> best_standard_shape(const Task& task, double seconds,
+                                                const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace accdec

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include <accdec/families/quick_search.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/task/delays_by_formula.hpp>
@@ -57,9 +57,9 @@ std::vector<MemberOf> members(bool quiet) {
   return list;
 }
 
-class QuickSearch {
+class StandardShapes {
  public:
-  QuickSearch(const Task& task, std::function<bool()> stop)
+  StandardShapes(const Task& task, std::function<bool()> stop)
       : task_(task), stop_(std::move(stop)), cost_(cost_of(task)) {}
 
   void try_members(const MemberOf& member) {
@@ -129,11 +129,11 @@ class QuickSearch {
 
 }  // namespace
 
-std::optional<DesignResult> quick_member(const Task& task, double seconds, const std::atomic<bool>* cancel) {
+std::optional<DesignResult> best_standard_shape(const Task& task, double seconds, const std::atomic<bool>* cancel) {
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
   const auto elapsed = [began] { return seconds_since(began); };
-  QuickSearch search(task, [&] { return elapsed() > seconds || (cancel != nullptr && cancel->load()); });
+  StandardShapes search(task, [&] { return elapsed() > seconds || (cancel != nullptr && cancel->load()); });
   for (const MemberOf& member : members(!task.machine.modes.empty())) search.try_members(member);
   auto result = search.verified();
   if (result) result->solver.wall_time = elapsed();
