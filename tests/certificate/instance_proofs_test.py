@@ -147,7 +147,7 @@ class InstanceProofs(BothCheckers):
         for member, value in (("order", 10**7), ("order", -1), ("order", 1.5), ("order", "11"), ("delays", []),
                               ("delays", [4, 4]), ("delays", [-1]), ("delays", [None]), ("samples", [17]),
                               ("samples", [-1]), ("samples", []), ("samples", [1e300]), ("samples", [float("nan")]),
-                              ("frequencies", [[90]]), ("frequencies", None)):
+                              ("frequencies", [[90]]), ("frequencies", None), ("frequencies", {})):
             with self.subTest((member, value)):
                 self.refused(self.forged("plain", "margin", at=plain["at"] | {member: value}))
         self.refused(self.forged("plain", "delay", at=plain["at"]))
@@ -272,11 +272,15 @@ class InstanceProofs(BothCheckers):
                        with_(machine={"power_total_max_W": 5}), with_(controller={"prefilter_taps": [0.5, 0.5]})):
             self.refused(forged)
         for member, value in (("bound_samples", 5), ("runs", 2), ("objective", "corner"), ("tolerance", 0.1),
-                              ("lemmas", []), ("corner_of", [0]), ("smoothed", True), ("kind", "enumeration")):
+                              ("corner_of", [0]), ("smoothed", True), ("smoothed", 0), ("lemmas", False),
+                              ("kind", "enumeration")):
             proof = self.forged("plain", "margin")
             proof["parts"][0]["certificate"][member] = value
-            if (member, value) != ("lemmas", []):
-                self.refused(proof)
+            self.refused(proof)
+        proof = self.forged("plain", "margin")
+        proof["parts"][0]["certificate"] |= {"lemmas": [], "conflict": [], "corner_of": [], "smoothed": False,
+                                             "in_position": False}
+        self.both(proof, True)
 
     def test_random_changes_prove_nothing_false(self):
         """Whatever a checker accepts is not above the value of a known point."""

@@ -52,9 +52,9 @@ double solved_by_cvxopt(const std::vector<std::string>& programs) {
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "solve.py") << script;
   for (std::size_t i = 0; i < programs.size(); ++i) std::ofstream(folder / fmt::format("{:06}.cbf", i)) << programs[i];
-  const std::string command =
-      fmt::format("/usr/bin/python3 '{0}/solve.py' '{1}/problems/suite' '{0}' > '{0}/answers.txt'", folder.string(),
-                  test_support::source_folder());
+  const std::string command = fmt::format(
+      "OPENBLAS_NUM_THREADS=1 /usr/bin/python3 '{0}/solve.py' '{1}/problems/suite' '{0}' > '{0}/answers.txt'",
+      folder.string(), test_support::source_folder());
   EXPECT_EQ(std::system(command.c_str()), 0);
   std::ifstream answers(folder / "answers.txt");
   double least = unlimited;

@@ -71,6 +71,11 @@ TEST_F(ExternalScript, AnswersComeBackInTheOrderOfTheProblem) {
   EXPECT_EQ(read.claim, Claim::solved);
   EXPECT_EQ(read.x, (std::vector<double>{0.5, -1.0}));
   EXPECT_DOUBLE_EQ(values.claimed_objective, subject.problem(false)->objective(start));
+  testing::write(home_ / "printing.sh", std::string(echo_start) + "printf 'solved\\n%s\\n' \"$values\"\n");
+  const auto printed = ExternalSolver({"printing", "sh {suite}/printing.sh {nl}", "nl", "values", home_.string()})
+                           .solve(*subject.problem(false), start);
+  EXPECT_EQ(printed.claim, Claim::solved) << printed.message;
+  EXPECT_EQ(printed.x, start);
   const auto sol = answer_of(std::string(echo_start) + R"(
 printf 'mine 1.0: nearly there\n\nOptions\n3\n1\n1\n0\n7\n0\n%s\n%s\n%s\nobjno 0 100\n' "$n" "$n" "$values" > "$2"
 )",

@@ -13,6 +13,8 @@ from tree import Part, Tree
 
 SCHEMA = "accdec.refutation/1"
 BARE = set("schema kind objective runs tolerance bound_samples multipliers tree".split())
+# What a certificate here may only have as if it were not there.
+ABSENT = {"conflict": [], "corner_of": [], "in_position": False, "lemmas": [], "smoothed": False}
 
 
 class Narrow(Tree):
@@ -108,6 +110,8 @@ def require_place(file, of_delay):
     places = {"order", "delays", "frequencies"} | (set() if of_delay else {"samples"})
     refuse_if(set(at) != places, f"a place with the members {sorted(at)}")
     refuse_if("prefilter_taps" in task.get("controller", {}), "a problem behind a smoothing")
+    lists = [at["delays"], at.get("samples", []), at["frequencies"], *at["frequencies"]]
+    refuse_if(not all(isinstance(x, list) for x in lists), "the place has something else where a list belongs")
     counts = [len(at["delays"]), len(at.get("samples", at["delays"])), len(at["frequencies"])]
     refuse_if(counts != 2 * [len(task["corner"])] + [len(task.get("mode", []))],
               "the place has not one delay and sample a corner, or not one list of frequencies a mode")
@@ -141,7 +145,8 @@ def tree_of(file, certificate):
     tree, design = claim.known(claim.unpacked(certificate), ["branch and bound"]), file["task"].get("design", {})
     objective = design.get("objective", "cycle")
     runs = number(design.get("runs", 1)) if objective == "cycle" else 1
-    other = (set(tree) - BARE or tree["bound_samples"] is not None or tree["objective"] != objective
+    further = {key for key in tree if key not in ABSENT or repr(tree[key]) != repr(ABSENT[key])} - BARE
+    other = (further or tree["bound_samples"] is not None or tree["objective"] != objective
              or number(tree.get("runs", 1)) != runs or number(tree.get("tolerance", 2 * ROUNDING)) != 2 * ROUNDING)
     refuse_if(other, "the certificate of a refutation has a bound, lemmas, merged corners or another objective")
     return tree

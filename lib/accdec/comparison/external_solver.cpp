@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -69,6 +70,11 @@ std::string last_line(const std::string& output) {
     if (!line.empty()) last = line;
   }
   return printable(last.substr(0, 200));
+}
+
+/// A run has one core. Libraries of linear algebra would start a thread for every core of the machine, and wait for it.
+void ask_for_one_thread() {
+  for (const char* name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"}) ::setenv(name, "1", 0);
 }
 
 std::string content_of(const fs::path& path) {
@@ -183,6 +189,7 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
   limits.seconds = options.time_limit + external_.grace;
   limits.folder_goes = true;
   limits.most_memory = static_cast<std::size_t>(external_.memory_max) * 1'000'000;
+  ask_for_one_thread();
   try {
     const LimitedOutput output = run_limited(words, folder.string(), limits);
     result.wall_time = output.seconds;
@@ -197,7 +204,7 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
     // Statuses below 128 say nothing: csdp ends with 1 where there is no answer, and with 3 where its answer is near.
     if (output.exit_code > 128)
       throw std::invalid_argument(fmt::format("it was ended by signal {}", output.exit_code - 128));
-    const bool printed = external_.answer == "names" && external_.command.find("{answer}") == std::string::npos;
+    const bool printed = external_.answer != "sol" && external_.command.find("{answer}") == std::string::npos;
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
     take_answer(answer, text, problem, result);

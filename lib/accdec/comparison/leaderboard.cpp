@@ -103,26 +103,22 @@ constexpr const char* own_solver = R"([[external]]
 name = "my solver"
 command = "my-solver {nl} -AMPL"   # or {mps}, {cbf}; {answer}, {seconds} and {suite} are replaced, too
 reads = "nl"                       # the problem as AMPL's .nl, as free MPS or as CBF
-answer = "sol"                     # AMPL's .sol; "names": lines with a name and a value; "values": all numbers in order
+answer = "sol"                     # AMPL's .sol; "names": lines with a name and a value; "values": a claim and all numbers
 )";
 
 std::string fairness_html(const ComparisonData& data) {
   const batch::Row& h = data.header;
   std::string text = html_paragraph(fmt::format(
       "Each run is a process of its own with {:g} s; {} starts, {} repeats. An optimum is reached if a verified answer "
-      "is "
-      "within {:g} of it, relative to the larger of 1 and the optimum. The time is that until the solver ended, by the "
-      "wall clock, of the runs that reached it. Wrong claims are solutions that break a limit or cannot exist, "
-      "\"infeasible\" where "
-      "a solution is known, and any \"unbounded\".",
+      "is within {:g} of it, relative to the larger of 1 and the optimum. The time is that until the solver ended, by "
+      "the wall clock, of the runs that reached it. Wrong claims are solutions that break a limit or cannot exist, "
+      "\"infeasible\" where a solution is known, and any \"unbounded\".",
       h.value("time_limit_s", 0.0), data.starts, data.repeats, data.accuracy));
   text += html_paragraph(
       "Designs: solvers without whole variables search with rounding and repair around them. Solvers with whole "
       "variables get one problem with big-M rows. Taps that break a limit by a tolerance (0.01 %), or by the tangents "
-      "of "
-      "an MPS file (0.13 %), are replaced by others at the same delays. By more, the answer is refused. The exact "
-      "method is made for these "
-      "problems, and the difficulty is counted in its own steps: neither is neutral.");
+      "of an MPS file (0.13 %), are replaced by others at the same delays. By more, the answer is refused. The exact "
+      "method is made for these problems, and the difficulty is counted in its own steps: neither is neutral.");
   text += html_paragraph(
       "Options are those of the suite, or the libraries' own, as below. They were not tuned for each solver alike. "
       "Solvers of the registry begin at a trapezoid, and at seeded changes of it if there are more starts. Programs "

@@ -195,18 +195,22 @@ std::vector<Key> external_keys() {
       required(text_key(
           "command",
           "program and arguments, without a shell; quotes keep spaces; {nl}, {mps} or {cbf} (the problem), {answer}, "
-          "{seconds} and {suite} (its folder) are replaced; other braces are doubled",
+          "{seconds} and {suite} (its folder) are replaced; other braces are doubled; OMP_NUM_THREADS "
+          "and OPENBLAS_NUM_THREADS are 1 unless they are set",
           "", "\"couenne {nl} -AMPL\"")),
       word("reads",
            "format of the problem, as in `accdec instances`; `mps` holds whole designs only, the others every problem "
            "that they can",
            {"nl", "mps", "cbf"}, "nl", "\"mps\""),
-      word("answer",
-           "`sol`: AMPL's solution file; `values`: a claim (solved, acceptable, infeasible, unbounded, failed, time "
-           "limit), then a number for each variable; `names`: lines with a variable's name in the file (X1, X2, .. in "
-           "MPS) and its value, others are 0, the claim by words like \"optimal\" and \"infeasible\"; what is printed, "
-           "if `command` has no {answer}",
-           {"sol", "values", "names"}, "sol", "\"names\""),
+      word(
+          "answer",
+          "`sol`: AMPL's solution file; `values`: a line with a claim (solved, acceptable, infeasible, unbounded, "
+          "failed, "
+          "time limit), then a number for each variable; `names`: lines with a variable's name in the file (X1, X2, .. "
+          "in MPS) and its value, others are 0, the claim by words like \"optimal\" and \"infeasible\"; where "
+          "`command` "
+          "has no {answer}, `sol` is the file beside {nl} and the others are what the program prints",
+          {"sol", "values", "names"}, "sol", "\"names\""),
       memory};
 }
 
