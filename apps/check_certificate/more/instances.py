@@ -13,7 +13,7 @@ from tree import Part, Tree
 
 SCHEMA = "accdec.refutation/1"
 BARE = set("schema kind objective runs tolerance bound_samples multipliers tree".split())
-# What a certificate here may only have as if it were not there.
+# These members count as absent if they have these values; a certificate here has none of them otherwise.
 ABSENT = {"conflict": [], "corner_of": [], "in_position": False, "lemmas": [], "smoothed": False}
 
 
