@@ -349,9 +349,9 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
       .add_option("--plan", options.plan,
                   "fixed: one filter for the whole program. profiles: a filter and a speed for every corner, for "
                   "controllers that take a position every cycle (--samples, --stream). profiles also makes the plan "
-                  "fixed and returns the faster one, by name. free: begins with the faster one and shortens windows of "
-                  "its samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
-                  "--time-limit or at Ctrl-C")
+                  "fixed, and motions along the arcs, whose plan is free. It returns the fastest one, by name. free: "
+                  "begins with the fastest one and shortens windows of its samples as far as limits, feeds and "
+                  "tolerances allow. It ends when nothing is gained, at --time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
       ->check(one_of({"fixed", "profiles", "free"}))
       ->capture_default_str();

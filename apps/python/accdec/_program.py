@@ -31,9 +31,9 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         Sample period, axes, [program] error_max and the filter. Without a filter, one is designed.
     plan : {"fixed", "profiles", "free"}
         "fixed": one filter for the whole program. "profiles": a filter and a speed for every corner, for controllers
-        that take a position every cycle. "profiles" also makes the plan "fixed" and returns the faster one that keeps
-        all limits. "free": the faster one, shortened by convex programmes over its samples as far as limits, feeds and
-        tolerances allow any motion; see the command line's page.
+        that take a position every cycle. "profiles" also makes the plan "fixed", and motions along the
+        arcs, whose plan is "free". It returns the fastest one that keeps all limits. "free": the fastest one,
+        shortened by convex programmes over its samples as far as limits, feeds and tolerances allow; see the command line's page.
     feeds : {"choose", "keep"}
         "choose": F is an upper bound. "keep": every block has its programmed feed; only with plan "fixed".
     arc_tolerance : float, optional

@@ -306,7 +306,7 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
 ///
 /// fixed: one filter for all of it.
 ///
-/// profiles: a filter and a speed at every corner, or one filter if that is faster.
+/// profiles: a filter and a speed at every corner, or one filter or a motion along the arcs if that is faster.
 ///
 /// free: a position for every sample.
 enum class PlanKind { fixed, profiles, free };
@@ -367,8 +367,9 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
 ///
 /// * fixed: the filter is the task's, the one in a program that --emit wrote, or one designed for the program. If none
 ///   holds, the result has no plan and says why.
-/// * profiles: programs of up to `several_plans_max` blocks are also planned with one filter. The answer is the faster
-///   of the plans that hold all limits, with the time of the other as its candidate. If none holds, it is the plan
+/// * profiles: programs of up to `several_plans_max` blocks are also planned with one filter, and arcs by a motion
+///   along them (plan free). The answer is the fastest of the plans that hold all limits, with the times of the others
+///   as its candidates. If none holds, it is the plan
 ///   profiles with a message.
 /// * free: the fastest of these plans, shortened sample by sample. If nothing is gained, it is the answer.
 /// @param file  its path is taken; its `reading` becomes that of the answer

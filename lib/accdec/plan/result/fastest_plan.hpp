@@ -13,8 +13,9 @@ PlanTime time_of(const ProgramResult& result);
 /// @throws std::invalid_argument with the result's message if it has no plan: then there is nothing to print
 void require_plan(const ProgramResult& result);
 
-/// Plan profiles, or one filter if that is faster. Programs of up to `several_plans_max` blocks are also planned with
-/// one filter. The answer is the faster of the plans that hold all limits, with the time of the other as its candidate.
+/// Plan profiles, or a faster one. Programs of up to `several_plans_max` blocks are also planned with one filter, and
+/// their arcs by a motion along them (plan free). The answer is the fastest of the plans that hold all limits, with the
+/// times of the others as its candidates.
 /// If none holds, it is the plan profiles with a message.
 /// @param file     as read; its `reading` becomes that of the answer
 /// @param options  for the plan beside it
