@@ -81,15 +81,16 @@ def blackman(x):
 
 def plain_delay(problem, kinds, member, j, room):
     """The least samples that a corner costs without an in-position width; infinite if as many as the room."""
+    def held(delays):
+        return next((d for d in delays if d * corner.weight < room and not member.breaks(j, d)), inf)
+
     corner, taps = problem.corners[j], [i for i, b in enumerate(member.taps.hi) if b]
-    if corner.delay is not None:
-        delays = [corner.delay]
-    elif kinds & ANY:  # longer ones change nothing
-        delays = range(len(member.taps.lo) + len(problem.response.lo) + 1)
-    else:
-        apart = taps[-1] - taps[0]
-        delays = [0] * ("continuous" in kinds) + [*range(apart, apart + 3)] * ("exact-stop" in kinds)
-    return next((d for d in delays if d * corner.weight < room and not member.breaks(j, d)), inf)
+    if kinds & ANY:
+        longest = len(member.taps.lo) + len(problem.response.lo)  # longer delays change nothing
+        return held(range(longest + 1) if corner.delay is None else [corner.delay])
+    apart = taps[-1] - taps[0]
+    ways = [held([0] * ("continuous" in kinds)), held([apart, apart + 1] * ("exact-stop" in kinds))]
+    return min((d for d in ways if corner.delay in (None, d)), default=inf)
 
 
 def passes_too_late(problem, controller, member, room):

@@ -233,7 +233,7 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
         const bool by_width = has(DelayKind::in_position) && d >= latency && feed * left(d - latency) <= width &&
                               (d == latency || feed * left(d - latency - 1) > width);
         const bool kind =
-            any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 2 && has(DelayKind::exact_stop));
+            any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 1 && has(DelayKind::exact_stop));
         if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);
       }
       if (has(DelayKind::corner_feed)) {

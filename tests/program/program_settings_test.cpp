@@ -147,6 +147,22 @@ TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
   EXPECT_EQ(control_delay({{DelayKind::continuous}, 0.0}, filter, 1e-4, 1), std::nullopt);
 }
 
+/// Averages of L and M have taps that rise by 1/(L M) a sample. At 100 mm/s, a jerk of 500 m/s^3 lets starts and stops
+/// have L M >= 200. The legs of an exact stop are a sample apart at most. An x that goes on then has 2/(L M) there, and
+/// averages of 20 and 20 are needed.
+TEST_F(ProgramCommand, AnExactStopDoesNotWaitForTheJerkOfBothLegs) {
+  write("part.ngc", "G21 G90 G61.1 F6000\nG0 X0 Y0\nG1 X30\nG1 X60\nG1 X90 Y20\nM2\n");
+  const std::string axes = "[controller]\ndelays = \"exact-stop\"\n[[axis]]\njerk_max_mm_s3 = 500000\n";
+  const std::string period = "sample_period_ms = 1\n", run_kept = "program part.ngc --feeds keep --task t.toml";
+  write("t.toml", period + "[design]\nfamily = \"averages\"\nstages = 2\norder_max = 60\n" + axes);
+  ASSERT_EQ(run(run_kept + " --json r.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("Set these: averages of 20 ms and 20 ms; exact-stop at 2 joints"));
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+  write("t.toml", period + "[filter]\nkind = \"averages\"\nlengths = [15, 14]\n" + axes);
+  EXPECT_EQ(run(run_kept).code, 1);
+  EXPECT_THAT(read("out"), HasSubstr("the control has no delays with which a plan holds all limits"));
+}
+
 TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {
   write("control.toml", std::string(test::corner_machine) +
                             "[controller]\nname = \"sinumerik-840d\"\n[design]\nlength_max_ms = 40\n"

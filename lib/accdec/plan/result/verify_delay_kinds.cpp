@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
 #include <accdec/simulate/simulate.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 namespace {
@@ -39,6 +41,7 @@ class DelayKindsCheck {
       if (passed && chosen.delays[b] != DelayKind::continuous)
         wrong(fmt::format("line {}: settings.delays names {} where the control runs on", path_.line[b],
                           to_string(chosen.delays[b])));
+      if (path_.joint[b] == Joint::stop) check_stop(b);
       if (passed || path_.joint[b] == Joint::stop) continue;
       check_kind(motion, b, chosen.delays[b]);
       in_position = in_position || chosen.delays[b] == DelayKind::in_position;
@@ -52,14 +55,23 @@ class DelayKindsCheck {
     if (reasons_.size() < most_reasons) reasons_.push_back(std::move(reason));
   }
 
+  /// A stop waits until the motion behind the control's smoothing has ended, and a sample more where a limit asks.
+  void check_stop(std::size_t b) {
+    if (task_.settings->any_delay()) return;
+    const int most = apart() + Response(task_.machine, task_.sample_period).order() + exact_stop_more;
+    if (command_.delays[b] > most)
+      wrong(fmt::format("line {}: the control's exact stop waits {} samples at most, not {}", path_.line[b], most,
+                        command_.delays[b]));
+  }
+  int apart() const { return filter_.last_nonzero_tap() - filter_.first_nonzero_tap(); }
+
   void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
     const auto allowed = control_of(*task_.settings, 0.0).kinds;
     const int delay = command_.delays[b];
-    const int apart = filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
       wrong(fmt::format("line {}: the control has no delay of kind {}", path_.line[b], to_string(kind)));
     if ((kind == DelayKind::continuous && delay != 0) ||
-        (kind == DelayKind::exact_stop && (delay < apart || delay > apart + 2)))
+        (kind == DelayKind::exact_stop && (delay < apart() || delay > apart() + exact_stop_more)))
       wrong(fmt::format("line {}: a delay of {} samples is not {}", path_.line[b], delay, to_string(kind)));
     if (kind == DelayKind::corner_feed && (delay != 0 || !lowered(b)))
       wrong(fmt::format("line {}: no lower feed passes this corner without a delay", path_.line[b]));
