@@ -35,6 +35,10 @@ WIDTHS = {
     "smoothing": {"control": "prefilter_taps = [0.25, 0.5, 0.25]"},
     "of the motion": {"control": 'in_position_of = "actual"', "axis": "servo_gain_1_s = 200"},
     "of the command": {"axis": "servo_gain_1_s = 200"},
+    "by axis": {"control": 'in_position_by = "axis"'},
+    "by axis, equal feeds": {"control": 'in_position_by = "axis"', "feed": 6000},
+    "by axis, of the motion": {"control": 'in_position_by = "axis"\nin_position_of = "actual"',
+                               "axis": "servo_gain_1_s = 200"},
 }
 
 

@@ -73,8 +73,9 @@ TEST(Settings, AreTheBestOfAllByBruteForce) {
   std::mt19937 rng(26);
   for (int i = 0; i < 28; ++i) {
     const auto& delays = kinds[static_cast<std::size_t>(i) % kinds.size()];
-    const std::string what = "averages, task " + std::to_string(i);
-    expect_as_brute_force(settable(rng, SettingFamily::averages, delays, 1 + i % 3, 30), what);
+    Task task = settable(rng, SettingFamily::averages, delays, 1 + i % 3, 30);
+    task.settings->in_position_by_axis = i % 2 == 1;
+    expect_as_brute_force(task, "averages, task " + std::to_string(i));
   }
 }
 

@@ -127,8 +127,13 @@ class Refutation {
     return std::nullopt;
   }
 
-  /// The way of a full-speed sample of leg 1.
-  double way_of(std::size_t j) const { return task_.corners[j].geometry().feed_in * task_.sample_period; }
+  /// The way of a full-speed sample of leg 1: along it, or of its fastest axis where the control watches each axis.
+  double way_of(std::size_t j) const {
+    const Corner& g = task_.corners[j].geometry();
+    double part = 0.0;
+    for (Eigen::Index a = 0; a < g.axes(); ++a) part = std::max(part, std::abs(g.direction_in[a]));
+    return (task_.settings->in_position_by_axis ? part : 1.0) * g.feed_in * task_.sample_period;
+  }
   /// The delay that this width gives a corner.
   int delay_of(std::size_t j, double width) const {
     const std::vector<double>& left = limits_.way_watched();

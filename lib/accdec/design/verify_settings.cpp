@@ -112,15 +112,16 @@ class InPosition {
     const Corner& g = result_.task.corners[j].geometry();
     const double step = g.feed_in * result_.task.sample_period;
     for (int d = 0;; ++d) {
-      double squares = 0.0;
+      double squares = 0.0, longest = 0.0;  // along the path, and of one axis
       for (Eigen::Index a = 0; a < g.axes(); ++a) {
         const Filter& watched =
             control.in_position_actual ? behind_.motion(static_cast<std::size_t>(a)) : behind_.command();
         double way = 0.0;
         for (int i = d + 1; i <= watched.order(); ++i) way += watched.tap(i) * (i - d);
         squares += g.direction_in[a] * g.direction_in[a] * way * way;
+        longest = std::max(longest, std::abs(g.direction_in[a]) * way);
       }
-      if (step * std::sqrt(squares) <= width || d > behind_.longest_order())
+      if (step * (control.in_position_by_axis ? longest : std::sqrt(squares)) <= width || d > behind_.longest_order())
         return d + static_cast<int>(std::lround(control.in_position_latency / result_.task.sample_period));
     }
   }

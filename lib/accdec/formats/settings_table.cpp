@@ -239,10 +239,11 @@ void read_delays(const Table& table, ControllerSettings& settings) {
 /// How the control measures that it is in-position.
 void read_in_position(const Table& table, double period, ControllerSettings& settings) {
   const bool there = settings.names(DelayKind::in_position);
-  for (const std::string_view key : {"in_position_of", "in_position_latency_ms"}) {
+  for (const std::string_view key : {"in_position_of", "in_position_by", "in_position_latency_ms"}) {
     if (table.has(key) && !there) table.fail_at(key, fmt::format("`{}` goes with delays = [\"in-position\"]", key));
   }
   if (table.has("in_position_of")) settings.in_position_actual = table.word("in_position_of") == "actual";
+  if (table.has("in_position_by")) settings.in_position_by_axis = table.word("in_position_by") == "axis";
   if (const auto latency = table.number("in_position_latency_ms")) {
     settings.in_position_latency = *latency;
     const double samples = *latency / period;

@@ -92,9 +92,10 @@ int JointDelays::within_contour(int delay) const {
 }
 
 int JointDelays::of_control(int delay) {
+  const double step = watched_part(path_.control, in_.data(), path_.dimensions(), speed_in_) * speed_in_ * period_;
   for (;;) {
     delay = within_limits(delay);
-    const auto given = control_delay(path_.control, filter_, speed_in_ * period_, delay);
+    const auto given = control_delay(path_.control, filter_, step, delay);
     if (!given && path_.control.names(DelayKind::exact_stop)) possible_ = false;
     if (given.value_or(delay) == delay) return delay;
     delay = *given;

@@ -96,14 +96,17 @@ class DelayKindsCheck {
     return false;
   }
 
-  /// m, of the motion from the end of block b, d samples after the command has reached it.
+  /// m, of the motion from the end of block b, d samples after the command has reached it: along the path, or of the
+  /// axis that is farthest from it.
   double distance(const DirectMotion& motion, std::size_t b, int d) const {
     // An order later the motion has come to rest.
     const auto k = static_cast<std::size_t>(motion.windows[b].first + std::min(d, filter_.order() + 1));
-    double square = 0.0;
-    for (std::size_t a = 0; a < path_.dimensions(); ++a)
-      square += std::pow(motion.position[a][k] - path_.point(b + 1)[a], 2);
-    return std::sqrt(square);
+    double square = 0.0, farthest = 0.0;
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+      const double way = motion.position[a][k] - path_.point(b + 1)[a];
+      square += way * way, farthest = std::max(farthest, std::abs(way));
+    }
+    return task_.settings->in_position_by_axis ? farthest : std::sqrt(square);
   }
 
   const ProgramResult& result_;
