@@ -181,6 +181,13 @@ Controller read_controller(const Table& top, std::string name) {
   const bool times = ControllerSettings{.families = families}.names_family();
   if (times && (controller.stages.empty() || controller.stages.size() > 3))
     top.fail(fmt::format("{} [[stage]] tables; this family needs 1 to 3", controller.stages.size()));
+  std::vector<SettingFamily> timed = families;
+  std::erase(timed, SettingFamily::taps);
+  if (times && controller.stages.size() > 1 && all_on_grids(timed))
+    top.tables("stage")[1].fail(
+        fmt::format("a second [[stage]], but family = \"{}\" is one filter with one length; "
+                    "allowed is one [[stage]]",
+                    to_string(timed.front())));
   if (!times && !controller.stages.empty()) top.fail("free taps have no [[stage]]; leave it out");
   if (controller.sources.empty()) top.fail("no [[source]]; nothing counts as a fact without one");
   return controller;

@@ -76,14 +76,6 @@ void read_sets(const Table& table, double period, std::vector<SettableStage>& st
   }
 }
 
-/// Families that have a length and a real number alone: their only time is the first stage's.
-bool all_on_grids(const std::vector<SettingFamily>& families) {
-  return std::all_of(families.begin(), families.end(), [](SettingFamily family) {
-    return family == SettingFamily::exponential || family == SettingFamily::gaussian ||
-           family == SettingFamily::windowed_sinc;
-  });
-}
-
 void read_stages(const Table& table, double period, ControllerSettings& settings) {
   const std::size_t known = settings.stages.size();
   auto asked = static_cast<std::size_t>(table.required_integer("stages"));
@@ -289,6 +281,13 @@ SettingFamily family_of_key(std::string_view key) {
 }
 
 }  // namespace
+
+bool all_on_grids(const std::vector<SettingFamily>& families) {
+  return std::all_of(families.begin(), families.end(), [](SettingFamily family) {
+    return family == SettingFamily::exponential || family == SettingFamily::gaussian ||
+           family == SettingFamily::windowed_sinc;
+  });
+}
 
 std::vector<std::string> texts_once(const Table& table, std::string_view key) {
   std::vector<std::string> words = table.texts(key);
