@@ -298,6 +298,19 @@ TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
   EXPECT_FALSE(verify_result(forged).accepted);
 }
 
+/// 17 ms are 2.8333 10^-4 minutes. Nine decimals would be wrong by a part of 10^-6.
+TEST(Settings, OfLargeUnitsKeepTheirDigits) {
+  const DesignResult result = design_task(parse_task(
+      "sample_period_ms = 1\n[design]\nfamily = \"averages\"\nstages = 1\n[controller]\nparameters = [\"P\"]\n"
+      "parameter_units = [\"min\"]\nparameter_unit_ms = [60000]\n[[axis]]\nacceleration_max_mm_s2 = 6000\n"
+      "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\nerror_max_um = 50\n",
+      "task"));
+  ASSERT_TRUE(result.settings) << result.message;
+  EXPECT_NEAR(result.settings->values[0].value * 60.0 / 17e-3, 1.0, 2e-9);
+  EXPECT_THAT(settings_answer(result), HasSubstr("P = 0.000283333333 min"));
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+}
+
 TEST(Settings, SayWhichWidthNoControlHolds) {
   EXPECT_EQ(width_in_words({1e-5, 3e-5}), "in-position width 0.02 mm (0.01 to 0.03)");
   // A width that is printed may be entered: no end is rounded outwards.

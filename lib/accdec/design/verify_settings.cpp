@@ -14,7 +14,7 @@ namespace accdec {
 namespace {
 
 constexpr double part = 1e-9;
-constexpr double kept_digits = 1e-9;  // times are written with nine decimals, in the unit of the parameter
+constexpr double kept_digits = 1e-9;  // times are written with nine decimals or more, in the unit of the parameter
 
 bool same_taps(const Filter& a, const std::vector<double>& b) {
   bool same = a.order() + 1 == static_cast<int>(b.size());
