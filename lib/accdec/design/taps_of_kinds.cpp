@@ -122,6 +122,14 @@ void offer_for_delays(const Task& any, const DesignOptions& options, Cheapest& c
   }
 }
 
+/// Why a search that found no filter is no proof. @param taps  designed with any delays
+const char* why_unproved(const DesignResult& taps, bool slows) {
+  if (slows)
+    return "proofs about corner feeds need few corners, limits in proportion to the feed, no given delays, and time";
+  if (taps.has_design()) return "filters with other delays exist, and no proof is about these kinds together";
+  return "the search with delays of any number of samples ended first";
+}
+
 }  // namespace
 
 ChosenSettings as_settings(const Filter& filter) {
@@ -209,10 +217,14 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   result.solver = proof.solver, result.stop = proof.stop;
   result.solver.wall_time = seconds_since(began);
   if (!result.has_design()) {
-    result.status = Status::failed;
+    const bool none = slow && slow->certificate && slow->samples == unlimited;
+    result.status = none ? Status::infeasible : Status::failed;
+    if (none) result.certificate = slow->certificate;
     if (slow) reasons.push_back(slow->none);
+    if (!none) reasons.push_back(std::string("that there is none is not proved: ") + why_unproved(taps, slows));
     std::erase(reasons, "");
-    reasons.insert(reasons.begin(), "no filter was found that holds all limits with delays of these kinds");
+    reasons.insert(reasons.begin(), none ? "no filter holds all limits with delays of these kinds"
+                                         : "no filter was found that holds all limits with delays of these kinds");
     result.message = fmt::format("{}", fmt::join(reasons, "; "));
     return result;
   }
