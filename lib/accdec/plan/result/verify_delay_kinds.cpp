@@ -20,6 +20,17 @@ double feed_of(const Toolpath& path, std::size_t b) {
   return std::sqrt(square);
 }
 
+constexpr double snapped = 1e-5;  // runs are shortened to whole samples by less
+
+/// Whether the feed steps down before the joint inside its block, or up behind it.
+bool steps_beside(const Toolpath& path, std::size_t b) {
+  const auto step = [&](std::size_t from, std::size_t fast, std::size_t slow) {
+    return path.line[from] == path.line[from + 1] && path.joint[from] == Joint::straight &&
+           path.inside_arc[from] == 0 && feed_of(path, fast) > feed_of(path, slow) * (1.0 + snapped);
+  };
+  return (b > 0 && step(b - 1, b - 1, b)) || (b + 2 < path.blocks() && step(b + 1, b + 2, b + 1));
+}
+
 class DelayKindsCheck {
  public:
   DelayKindsCheck(const ProgramResult& result, const Task& task, const Filter& filter,
@@ -73,6 +84,9 @@ class DelayKindsCheck {
     if ((kind == DelayKind::continuous && delay != 0) ||
         (kind == DelayKind::exact_stop && (delay < apart() || delay > apart() + exact_stop_more)))
       wrong(fmt::format("line {}: a delay of {} samples is not {}", path_.line[b], delay, to_string(kind)));
+    const bool slows = task_.settings->names(DelayKind::corner_feed);
+    if (kind == DelayKind::continuous && slows && steps_beside(path_, b))
+      wrong(fmt::format("line {}: a corner at a lower feed is a corner-feed, not continuous", path_.line[b]));
     if (kind == DelayKind::corner_feed && (delay != 0 || !lowered(b)))
       wrong(fmt::format("line {}: no lower feed passes this corner without a delay", path_.line[b]));
     if (kind != DelayKind::in_position || !result_.settings->chosen.width) return;
@@ -132,12 +146,16 @@ void check_corner_feeds(const ProgramResult& result, const Task& task, const Too
   for (std::size_t b = 0; b + 1 < programmed.blocks(); ++b) {
     if (programmed.joint[b] == Joint::corner) corners.push_back(b);
   }
-  constexpr double snapped = 1e-5;  // runs are shortened to whole samples by less
+  const auto slowed = [&](std::size_t b) {
+    const DelayKind kind = result.settings->chosen.delays[b];
+    return kind == DelayKind::corner_feed ||
+           (kind == DelayKind::continuous && task.settings->names(DelayKind::corner_feed) && steps_beside(path, b));
+  };
   std::size_t seen = 0;
   for (std::size_t b = 0; b + 1 < path.blocks() && seen < corners.size(); ++b) {
     if (path.joint[b] != Joint::corner) continue;
     const std::size_t corner = corners[seen++];
-    if (result.settings->chosen.delays[b] != DelayKind::corner_feed) continue;
+    if (!slowed(b)) continue;
     double before = feed_of(programmed, corner), behind = feed_of(programmed, corner + 1);
     // A rapid move is slowed to the feed move beside it.
     if (programmed.rapid[corner] != 0 && programmed.rapid[corner + 1] == 0) before = std::min(before, behind);
