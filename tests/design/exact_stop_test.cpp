@@ -66,6 +66,19 @@ TEST(ExactStop, IsNoLongerOnRequest) {
   EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
 }
 
+/// At 60 degrees an axis reverses, which asks a stop of 16 for a sample more. At 90 degrees, along the axes, none does.
+TEST(ExactStop, WaitsLongerOnlyAtCornersThatNeedIt) {
+  Task task = stops(60, "acceleration_max_mm_s2 = 6000", "");
+  task.corners.push_back(stops(90, "acceleration_max_mm_s2 = 6000", "").corners[0]);
+  task.corners.back().name = "B";
+  const DesignResult result = design_task(task);
+  ASSERT_TRUE(result.has_design()) << result.message;
+  EXPECT_EQ(result.corners[0].delay, 17);
+  EXPECT_EQ(result.corners[1].delay, 16);
+  EXPECT_NEAR(result.objective(), (17 + 17 + 16) * 1e-3, 1e-12);
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+}
+
 TEST(ExactStop, ThatIsLongerIsRefused) {
   DesignResult forged = design_task(stops(90, "acceleration_max_mm_s2 = 6000", average_stages + "1\n"));
   ASSERT_EQ(forged.corners[0].delay, 16) << forged.message;

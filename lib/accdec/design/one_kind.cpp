@@ -72,6 +72,19 @@ bool fill_ends(DesignResult& result) {
   return false;
 }
 
+/// A design that is proved by the bound of any delays, if at all.
+void bound_by_any_delays(const Task& task, double seconds, DesignResult& found) {
+  found.status = Status::feasible;
+  Task any = task;
+  any.settings.reset();
+  DesignOptions rest;
+  rest.time_limit = seconds;
+  const DesignResult bound = design_task(any, rest);
+  if (!bound.lower_bound || !bound.certificate) return;
+  found.lower_bound = bound.lower_bound, found.certificate = bound.certificate;
+  judge_gap(found);
+}
+
 /// The filter whose exact stops end first. A limit may ask the stop for a sample more. It may also need a longer
 /// filter. The jerk of an axis that goes on spans both legs. Behind a control's smoothing or a servo, the motion goes
 /// on after the filter's end.
@@ -108,18 +121,22 @@ DesignResult shortest_stop(const Task& task, int order, bool shortest, GivenDela
   found.task = task;
   found.lower_bound.reset(), found.gap.reset(), found.certificate.reset();
   if (!found.has_design()) return found;
-  // The bound of any delays.
-  found.status = Status::feasible;
-  Task any = task;
-  any.settings.reset();
-  DesignOptions rest;
-  rest.time_limit = given.left();
-  const DesignResult bound = design_task(any, rest);
-  if (bound.lower_bound && bound.certificate) {
-    found.lower_bound = bound.lower_bound, found.certificate = bound.certificate;
-    judge_gap(found);
-  }
+  bound_by_any_delays(task, given.left(), found);
   return found;
+}
+
+/// Corners at which no limit asks for the sample more stop without it. @param task  whose delays are open
+void shorten_stops(const Task& task, double seconds, DesignResult& result) {
+  if (!task.settings) return;
+  const auto own = delays_of_kinds(*result.filter, task, unlimited);
+  if (!own) return;
+  bool shorter = false;
+  for (std::size_t j = 0; j < own->delays.size(); ++j) shorter = shorter || own->delays[j] < result.corners[j].delay;
+  DesignResult found = shorter ? assess(task, *result.filter, own->delays, false) : DesignResult();
+  if (!found.has_design()) return;
+  found.solver = result.solver, found.stop = result.stop;
+  bound_by_any_delays(task, seconds, found);
+  result = std::move(found);
 }
 
 bool gives_a_delay(const Task& task) {
@@ -135,6 +152,7 @@ DesignResult stop_of_control(const Task& asked, GivenDelays& given, const Design
     result = shortest_stop(task, result.filter->order(), result.status == Status::optimal, given);
     if (!result.has_design()) return result;
     const bool filled = fill_ends(result);
+    if (filled) shorten_stops(asked, given.left(), result);
     if ((filled && !gives_a_delay(asked)) || delays_of_kinds(*result.filter, asked, unlimited)) return result;
     const int longer = result.filter->order() + 1;
     if (!gives_a_delay(asked) || longer > task.design.order_max) {
