@@ -81,15 +81,15 @@ def blackman(x):
 
 def plain_delay(problem, kinds, member, j, room):
     """The least samples that a corner costs without an in-position width; infinite if as many as the room."""
+    def held(delays):
+        return next((d for d in delays if d * corner.weight < room and not member.breaks(j, d)), inf)
+
     corner, taps = problem.corners[j], [i for i, b in enumerate(member.taps.hi) if b]
-    if corner.delay is not None:
-        delays = [corner.delay]
-    elif kinds & ANY:  # longer ones change nothing
-        delays = range(len(member.taps.lo) + len(problem.response.lo) + 1)
-    else:
-        apart = taps[-1] - taps[0]
-        delays = [0] * ("continuous" in kinds) + [*range(apart, apart + 3)] * ("exact-stop" in kinds)
-    return next((d for d in delays if d * corner.weight < room and not member.breaks(j, d)), inf)
+    if kinds & ANY:  # longer ones change nothing
+        return held(range(len(member.gone.lo) + len(problem.response.lo)) if corner.delay is None else [corner.delay])
+    apart = taps[-1] - taps[0]
+    ways = [held([0] * ("continuous" in kinds)), held([apart, apart + 1] * ("exact-stop" in kinds))]
+    return min((d for d in ways if corner.delay in (None, d)), default=inf)
 
 
 def passes_too_late(problem, controller, member, room):
@@ -104,8 +104,9 @@ def passes_too_late(problem, controller, member, room):
         return dear(plain)
     # One width for all corners: the smaller it is, the longer each delay. Widths that are as good as equal are one.
     ways = ways_left(member.moved if controller.get("in_position_of") == "actual" else member.gone)
-    free = [(j, exact(c.feed_in).lo) for j, c in enumerate(problem.corners) if c.delay is None]
-    steps = sorted((x * feed, j) for j, feed in free for x, most in zip(ways.lo, ways.hi) if most)
+    axis = controller.get("in_position_by") == "axis"
+    speeds = [max(abs(x).lo for x in c.speed_in) if axis else exact(c.feed_in).lo for c in problem.corners]
+    steps = sorted((x * v, j) for j, v in enumerate(speeds) for x, most in zip(ways.lo, ways.hi) if most)
     latency = round(number(controller.get("in_position_latency_ms", 0)) / 1000 / problem.period)
     delays = [latency if c.delay is None else inf for c in problem.corners]
     while not dear(map(min, plain, delays)):

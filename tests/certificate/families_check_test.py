@@ -98,6 +98,10 @@ EVERY_KIND = {
     "corner feeds": {"controller": '[controller]\ndelays = ["corner-feed", "exact-stop"]', "family": AVERAGES},
     "latency": {"controller": '[controller]\ndelays = ["continuous", "in-position"]\nin_position_latency_ms = 4',
                 "family": AVERAGES},
+    "width by axis": {"controller": '[controller]\ndelays = ["continuous", "in-position"]\nin_position_by = "axis"',
+                      "family": AVERAGES},
+    "minutes": {"controller": '[controller]\nparameters = ["P", "Q"]\nparameter_units = ["min", "min"]\n'
+                              "parameter_unit_ms = [60000, 60000]", "family": AVERAGES},
     "smoothing": {"controller": "[controller]\nprefilter_taps = [0.25, 0.5, 0.25]", "family": AVERAGES},
     "forces": {"family": AVERAGES, "axis": "mass_kg = 30\nforce_max_N = 150\ncoulomb_N = 20\ndamping_N_s_m = 100"},
     "a shared supply": {"controller": "[machine]\npower_total_max_W = 9\nregeneration_total_max_W = 12",

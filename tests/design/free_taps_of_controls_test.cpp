@@ -82,8 +82,8 @@ TEST(FreeTapsOfControls, AreDesignedForOneKindOfDelay) {
   EXPECT_THROW(parse_result(forged.dump(), "result"), InputError);
 }
 
-/// An exact stop lasts as long as the filter, or two samples more. So a given one needs a filter of 2 samples less at
-/// least, here longer than the 17 taps that the acceleration needs.
+/// An exact stop lasts as long as the filter, or a sample more if a limit asks for that. With 17 taps, the acceleration
+/// asks for none. So a given one needs a filter of as many samples.
 TEST(FreeTapsOfControls, HaveTheGivenDelaysOfTheirKind) {
   const auto task = [](int delay) {
     return parse_task(
@@ -95,7 +95,7 @@ TEST(FreeTapsOfControls, HaveTheGivenDelaysOfTheirKind) {
   };
   const DesignResult result = design_task(task(20));
   ASSERT_EQ(result.status, Status::optimal) << result.message;
-  EXPECT_NEAR(result.cycle_time, (19 + 20) * 1e-3, 1e-9);
+  EXPECT_NEAR(result.cycle_time, (21 + 20) * 1e-3, 1e-9);
   EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
   EXPECT_THROW(design_task(task(60)), std::invalid_argument);
 }
@@ -234,7 +234,7 @@ TEST(FreeTapsOfControls, SayWhichFiltersGivenStopsNeed) {
   task.corners[0].delay = 3;
   const DesignResult result = design_task(task);
   EXPECT_EQ(result.status, Status::infeasible);
-  EXPECT_THAT(result.message, HasSubstr("exact stops of the given delays need filters of order 1 to 3"));
+  EXPECT_THAT(result.message, HasSubstr("exact stops of the given delays need filters of order 2 to 3"));
 }
 
 /// Averages where they are as good as free taps: 17 taps for an acceleration of 6 m/s^2. Else the taps.
@@ -301,7 +301,7 @@ TEST(FreeTapsOfControls, StopExactlyInFrontOfAResponse) {
     for (int delay = 15; delay < 90; ++delay) {
       Task given = with_servo(everyday_corner(control));
       given.corners[0].delay = delay;
-      given.design.order_min = delay - 2, given.design.order_max = delay;
+      given.design.order_min = delay - 1, given.design.order_max = delay;
       const DesignResult best = design_task(given);
       if (best.status == Status::optimal) least = std::min(least, best.objective());
     }

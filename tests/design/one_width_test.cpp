@@ -19,6 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 const char* const in_position = "[controller]\ndelays = \"in-position\"\n";
 
@@ -163,6 +164,58 @@ TEST(OneWidth, ReckonsWithTheLatency) {
   EXPECT_GE(late.corners[0].delay, 9);
   EXPECT_NEAR(late.objective(), least_of_equal_delays(late.objective(), 9), 1e-12);
   EXPECT_THAT(verify_result(late).reasons, IsEmpty());
+}
+
+/// Legs at 45 degrees and a control that watches each axis, which has 0.71 of the way. An average of L leaves
+/// p(d) = (L - 1 - d)(L - d)/(2 L) samples: the same settings as along the path, and 0.71 of their width.
+TEST(OneWidth, OfEachAxisIsLessThanThatAlongThePath) {
+  const auto designed = [](const std::string& by) {
+    return design_task(parse_task(
+        "sample_period_ms = 1\n[design]\nfamily = \"averages\"\nstages = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n"
+        "[[corner]]\nangle_deg = 90\nheading_deg = 45\nfeed_in_mm_min = 6000\nerror_max_um = 50\n" +
+            std::string(in_position) + "in_position_by = \"" + by + "\"\n",
+        "task"));
+  };
+  const DesignResult path = designed("path"), axis = designed("axis");
+  ASSERT_TRUE(path.settings && path.settings->width && axis.settings && axis.settings->width);
+  EXPECT_EQ(path.filter->order(), axis.filter->order());
+  const int n = axis.filter->order(), d = axis.corners[0].delay;
+  ASSERT_EQ(path.corners[0].delay, d);
+  ASSERT_GT(d, 0);
+  const auto left = [&](int k) { return 0.1 * 1e-3 * (n - k) * (n + 1 - k) / (2.0 * (n + 1)); };
+  EXPECT_NEAR(path.settings->width->low, left(d), 1e-12);
+  EXPECT_NEAR(path.settings->width->high, left(d - 1), 1e-12);
+  EXPECT_NEAR(axis.settings->width->low, left(d) * std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(axis.settings->width->high, left(d - 1) * std::sqrt(0.5), 1e-12);
+  for (const DesignResult& result : {path, axis})
+    EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+  DesignResult forged = axis;
+  forged.settings->width = path.settings->width;
+  EXPECT_THAT(verify_result(forged).reasons, Not(IsEmpty()));
+  forged = axis;
+  forged.task.settings->in_position_by_axis = false;
+  EXPECT_THAT(verify_result(forged).reasons, Not(IsEmpty()));
+}
+
+/// Equal feeds, but the second leg 1 at 45 degrees: v1 p(d1) <= w/T < v1 p(d1 - 1), and the same with 0.71 v1.
+TEST(OneWidth, OfEachAxisIsProvedForUnequalHeadings) {
+  TaskOptions choices;
+  choices.response = Considered::all;
+  const std::string corner = "[[corner]]\nfeed_in_mm_min = 6000\nerror_max_um = 20\n";
+  const std::string task = "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n" + corner +
+                           "angle_deg = 90\n" + corner + "angle_deg = 120\nheading_deg = 45\n" + in_position;
+  const DesignResult path = design_task(parse_task(task, "task", choices));
+  const DesignResult result = design_task(parse_task(task + "in_position_by = \"axis\"\n", "task", choices));
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
+  EXPECT_EQ(path.corners[0].delay, path.corners[1].delay);
+  EXPECT_LE(result.corners[1].delay, result.corners[0].delay);
+  const auto way = [&](double feed, int k) { return way_left(*result.filter, feed, 1e-3, k); };
+  const int first = result.corners[0].delay, second = result.corners[1].delay;
+  const double slower = 0.1 * std::sqrt(0.5);
+  ASSERT_TRUE(result.settings && result.settings->width);
+  EXPECT_NEAR(result.settings->width->low, std::max(way(0.1, first), way(slower, second)), 1e-12);
+  EXPECT_NEAR(result.settings->width->high, std::min(way(0.1, first - 1), way(slower, second - 1)), 1e-12);
+  EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
 }
 
 }  // namespace

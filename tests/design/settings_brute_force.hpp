@@ -211,11 +211,19 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
     for (int i = 0; i <= samples; ++i) least = std::min(least, std::abs(watched.p(i)));
     return least;
   };
+  // The speed along leg 1, or that of its fastest axis.
+  const auto watched_feed = [&](const TaskCorner& corner) {
+    const Corner& g = corner.geometry();
+    double part = task.settings->in_position_by_axis ? 0.0 : 1.0;
+    for (Eigen::Index a = 0; a < g.axes() && task.settings->in_position_by_axis; ++a)
+      part = std::max(part, std::abs(g.direction_in[a]));
+    return g.feed_in * part;
+  };
   const int latency = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
   std::vector<double> widths{none};
   if (has(DelayKind::in_position)) {
     for (const TaskCorner& corner : task.corners) {
-      for (int d = 0; d <= watched.order(); ++d) widths.push_back(corner.geometry().feed_in * left(d));
+      for (int d = 0; d <= watched.order(); ++d) widths.push_back(watched_feed(corner) * left(d));
     }
     std::sort(widths.begin(), widths.end());
     const std::vector<double> ends = widths;
@@ -229,11 +237,11 @@ inline double cheapest(const Task& task, const std::vector<double>& taps) {
     for (std::size_t j = 0; j < task.corners.size(); ++j) {
       double least = none;
       for (int d = 0; d <= last; ++d) {
-        const double feed = task.corners[j].geometry().feed_in;
+        const double feed = watched_feed(task.corners[j]);
         const bool by_width = has(DelayKind::in_position) && d >= latency && feed * left(d - latency) <= width &&
                               (d == latency || feed * left(d - latency - 1) > width);
         const bool kind =
-            any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 2 && has(DelayKind::exact_stop));
+            any || (d == 0 && has(DelayKind::continuous)) || (d >= n && d <= n + 1 && has(DelayKind::exact_stop));
         if ((kind || by_width) && good[j][static_cast<std::size_t>(d)]) least = std::min<double>(least, d);
       }
       if (has(DelayKind::corner_feed)) {

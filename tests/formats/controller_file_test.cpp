@@ -242,6 +242,12 @@ TEST(Controllers, MalformedFiles) {
   EXPECT_THAT(message(changed("\"averages\"", "\"avrages\"")), HasSubstr("mine.toml:2:10"));
   EXPECT_THAT(message(changed("\"averages\"", "\"taps\"")), HasSubstr("free taps have no [[stage]]"));
   EXPECT_THAT(message(changed("unit_ms = 0.5", "unit_ms = 0")), HasSubstr("mine.toml:7:11"));
+  const std::string second = "\n[[stage]]\nparameter = \"P2\"\nunit_ms = 1\n";
+  const std::string gaussian = changed("\"averages\"", "\"gaussian\"");
+  EXPECT_EQ(message(gaussian), "");
+  const auto line = std::count(gaussian.begin(), gaussian.end(), '\n') + 2;
+  EXPECT_THAT(message(gaussian + second), StartsWith(fmt::format("mine.toml:{}:1: a second [[stage]]", line)));
+  EXPECT_EQ(message(changed("\"averages\"", "[\"gaussian\", \"averages\"]") + second), "");
   EXPECT_THAT(message(changed("length_max_ms = 20", "length_max_ms = nan")), HasSubstr("mine.toml:9:17"));
   EXPECT_THAT(message(changed("length_max_ms = 20", "length_max_ms = 0.2")), HasSubstr("below `length_step_ms`"));
   EXPECT_THAT(message(changed("length_max_ms = 20", "length_set_ms = [1]")), HasSubstr("are both given"));

@@ -166,6 +166,17 @@ TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
   EXPECT_EQ(slowed + whole, 7);
 }
 
+/// A record that calls all its corner feeds continuous, of which an answer says nothing.
+std::string without_corner_feeds(const std::string& text) {
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(text);
+  nlohmann::ordered_json& kinds = record["settings"]["delays"];
+  std::replace(kinds.begin(), kinds.end(), nlohmann::ordered_json("corner-feed"), nlohmann::ordered_json("continuous"));
+  std::string answer = record["settings"]["answer"];
+  const std::size_t at = answer.find("; corner-feed at "), end = answer.find(" joints", at) + 7;
+  record["settings"]["answer"] = answer.erase(at, end - at);
+  return record.dump();
+}
+
 TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
   write("control.toml", std::string(test::corner_machine) +
                             "[design]\nfamily = \"averages\"\n[controller]\ndelays = \"corner-feed\"\n");
@@ -184,6 +195,11 @@ TEST_F(ProgramCommand, CornerFeedsAreFeedWordsThatAreVerified) {
   const Output forged = run("verify forged.json");
   EXPECT_EQ(forged.code, 1) << forged.err;
   EXPECT_THAT(forged.out, HasSubstr("names corner-feed where the control runs on"));
+  // A lower feed is none that the control keeps.
+  write("renamed.json", without_corner_feeds(read("r.json")));
+  const Output renamed = run("verify renamed.json");
+  EXPECT_EQ(renamed.code, 1) << renamed.err;
+  EXPECT_THAT(renamed.out, HasSubstr("a corner at a lower feed is a corner-feed, not continuous"));
 }
 
 /// The feeds written and recorded are those of the task's step: with another one the record is rejected.
@@ -217,6 +233,8 @@ TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
   const Output forged = run("verify forged.json");
   EXPECT_EQ(forged.code, 1) << forged.err;
   EXPECT_THAT(forged.out, HasSubstr("not one multiple of corner_feed_step = 0.137"));
+  write("renamed.json", without_corner_feeds(read("forged.json")));
+  EXPECT_THAT(run("verify renamed.json").out, HasSubstr("not one multiple of corner_feed_step = 0.137"));
 }
 
 /// A control that only lowers feeds has nothing that --feeds keep could use.

@@ -57,14 +57,16 @@ TEST(ProgramSettings, NoMemberOfTheFamilyIsPlannedFaster) {
 }
 
 /// The delays of a plan follow from its width: the first sample of the rest in which the motion, made directly, is
-/// within the width of the corner.
+/// within the width of the corner. The width holds along the path or for each axis.
 TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
   Task task = test::averages_task(1, {DelayKind::in_position, DelayKind::exact_stop});
-  for (const auto& [family, feeds] : {std::pair(SettingFamily::averages, Feeds::keep),
-                                      {SettingFamily::averages, Feeds::choose},
-                                      {SettingFamily::taps, Feeds::keep},
-                                      {SettingFamily::taps, Feeds::choose}}) {
+  for (const auto& [family, feeds, by_axis] : {std::tuple(SettingFamily::averages, Feeds::keep, false),
+                                               {SettingFamily::averages, Feeds::choose, true},
+                                               {SettingFamily::averages, Feeds::keep, true},
+                                               {SettingFamily::taps, Feeds::keep, false},
+                                               {SettingFamily::taps, Feeds::choose, true}}) {
     task.settings->families = {family};
+    task.settings->in_position_by_axis = by_axis;
     const TemporaryFolder folder;
     const std::string program = folder.write("part.ngc", test::corner_program);
     ProgramFileOptions options;
@@ -83,8 +85,9 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
       ++seen;
       for (int d = 0; d <= command.delays[b]; ++d) {
         const auto k = static_cast<std::size_t>(motion.windows[b].first + d);
-        const double way =
-            std::hypot(motion.position[0][k] - path.point(b + 1)[0], motion.position[1][k] - path.point(b + 1)[1]);
+        const double x = std::abs(motion.position[0][k] - path.point(b + 1)[0]),
+                     y = std::abs(motion.position[1][k] - path.point(b + 1)[1]),
+                     way = by_axis ? std::max(x, y) : std::hypot(x, y);
         EXPECT_EQ(way <= width, d == command.delays[b]) << "line " << path.line[b] << ", sample " << d;
       }
     }
@@ -141,10 +144,37 @@ TEST(ProgramSettings, TheShortestDelayOfAControlIsThatOfItsKinds) {
   EXPECT_EQ(control_delay(control, filter, 1e-4, 1), 15);
   EXPECT_EQ(control_delay(control, filter, 1e-4, 15), 15);
   EXPECT_EQ(control_delay(control, filter, 1e-4, 16), 28);
-  EXPECT_EQ(control_delay(control, filter, 1e-4, 31), std::nullopt);
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 29), 29) << "an exact stop waits a sample more than the filter";
+  EXPECT_EQ(control_delay(control, filter, 1e-4, 30), std::nullopt) << "no control can be told to wait two";
+  // At 45 degrees each axis has 0.71 of the way.
+  ControlDelays by_axis = control;
+  by_axis.by_axis = true;
+  const double diagonal[] = {0.1, -0.1}, part = watched_part(by_axis, diagonal, 2, std::hypot(0.1, 0.1));
+  EXPECT_NEAR(part, std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(watched_part(control, diagonal, 2, std::hypot(0.1, 0.1)), 1.0);
+  int first = 1;
+  while (way(first) * std::sqrt(0.5) > 0.23e-3) ++first;
+  EXPECT_EQ(control_delay(by_axis, filter, part * 1e-4, 1), first);
+  EXPECT_LT(first, 15);
   EXPECT_EQ(control_delay({}, filter, 1e-4, 16), 16);
   EXPECT_EQ(control_delay({{DelayKind::continuous, DelayKind::dwell}, 0.0}, filter, 1e-4, 16), 16);
   EXPECT_EQ(control_delay({{DelayKind::continuous}, 0.0}, filter, 1e-4, 1), std::nullopt);
+}
+
+/// Averages of L and M have taps that rise by 1/(L M) a sample. At 100 mm/s, a jerk of 500 m/s^3 lets starts and stops
+/// have L M >= 200. The legs of an exact stop are a sample apart at most. An x that goes on then has 2/(L M) there, and
+/// averages of 20 and 20 are needed.
+TEST_F(ProgramCommand, AnExactStopDoesNotWaitForTheJerkOfBothLegs) {
+  write("part.ngc", "G21 G90 G61.1 F6000\nG0 X0 Y0\nG1 X30\nG1 X60\nG1 X90 Y20\nM2\n");
+  const std::string axes = "[controller]\ndelays = \"exact-stop\"\n[[axis]]\njerk_max_mm_s3 = 500000\n";
+  const std::string period = "sample_period_ms = 1\n", run_kept = "program part.ngc --feeds keep --task t.toml";
+  write("t.toml", period + "[design]\nfamily = \"averages\"\nstages = 2\norder_max = 60\n" + axes);
+  ASSERT_EQ(run(run_kept + " --json r.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("Set these: averages of 20 ms and 20 ms; exact-stop at 2 joints"));
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+  write("t.toml", period + "[filter]\nkind = \"averages\"\nlengths = [15, 14]\n" + axes);
+  EXPECT_EQ(run(run_kept).code, 1);
+  EXPECT_THAT(read("out"), HasSubstr("the control has no delays with which a plan holds all limits"));
 }
 
 TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {

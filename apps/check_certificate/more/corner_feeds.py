@@ -81,10 +81,12 @@ def corner_feeds(result, problem, certificate):
         Tree(subject, tree, target)
         taps = problem.order_max + 2 if bound is None else number(bound)
         least.append((multiples, ceil(taps * (1 - 2 * ROUNDING)) - 1))
-    proved, claimed = least_cost(problem, ways, least), number(certificate["bound_samples"])
-    refuse_if(result["status"] == "infeasible" or proved is not None and claimed > proved * (1 + ROUNDING),
+    proved, claimed = least_cost(problem, ways, least), certificate["bound_samples"]
+    refuse_if(proved is not None and (claimed is None or number(claimed) > proved * (1 + ROUNDING)),
               "the certificate claims more than its parts prove")
-    target = claim.target_of(result, problem, "lower_bound_s", certificate["bound_samples"])
+    target = claim.target_of(result, problem, "lower_bound_s", claimed)
+    if target is None:
+        return f"{len(least)} parts of the feeds refuted: no filter holds all limits"
     words = f"{len(least)} parts of the feeds refuted: no {problem.objective} time is shorter than"
     return f"{words} {float(target * problem.period):.9g} s"
 

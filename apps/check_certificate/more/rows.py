@@ -176,10 +176,11 @@ def width(row, i, j):
     refuse_if(not problem.one_width or problem.symmetric, "a row `width` for a control with other delays")
     last = box.corners[j][0] - problem.latency - 1
     refuse_if(last < 0, "a multiplier names the width before a corner that may not wait for it")
-    feeds = [problem.corners[c].feed_in for c in (i, j)]
+    feeds = [exact(problem.corners[c].watched) for c in (i, j)]
+    faster = max(feeds, key=lambda feed: feed.hi)
     for sample, feed in ((box.corners[i][1] - problem.latency, feeds[0]), (last, -feeds[1])):
         for n, tap in enumerate(problem.response if problem.actual else problem.smoothing):
-            row.add(tap * (feed / max(feeds)), [max(k - sample + n, 0) for k in row.indices])
+            row.add(tap * (feed / faster), [max(k - sample + n, 0) for k in row.indices])
     row.limit(Fraction(1, 10**9))
 
 

@@ -8,16 +8,18 @@ from more.widening import widens
 from problem import ROUNDING, convolved
 
 
-def made_by(said, problem, design, taps):
+def made_by(said, problem, task, taps):
     """Filters that are all the recorded one: of a member of the family, and for averages of the values to enter."""
     family = said["family"]
     if family == "taps":
         return [[exact(said["filter"]["taps"])]]
-    members = map(exact, families.LISTS[family](families.Members(problem, design, len(taps.lo))))
+    members = map(exact, families.LISTS[family](families.Members(problem, task.get("design", {}), len(taps.lo))))
     if family != "averages":
         return [members]
-    unit = {"s": problem.period, "ms": problem.period * 1000}
-    lengths = (max(1, round(number(value["value"]) / unit[value["unit"]])) for value in said["values"])
+    units = task.get("controller", {}).get("parameter_unit_ms", [1] * len(said["values"]))
+    refuse_if(len(units) != len(said["values"]), "the settings are not one value a stage")
+    lengths = (max(1, round(number(value["value"]) * number(unit) / 1000 / problem.period))
+               for value, unit in zip(said["values"], units))
     return [members, [reduce(convolved, (exact([1] * length) for length in lengths), exact([1]))]]
 
 
@@ -31,6 +33,6 @@ def recorded(narrow, result, problem):
     def same(x):
         return len(x.lo) == len(taps.lo) and not abs(x / x.total() - taps) > ROUNDING
 
-    ways = made_by(said, problem, result["task"].get("design", {}), taps)
+    ways = made_by(said, problem, result["task"], taps)
     refuse_if(not all(any(map(same, way)) for way in ways), "the taps are not those of the settings")
     return found

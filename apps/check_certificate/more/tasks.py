@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import claim
 import problem as problems
-from enclosure import ONE, NotCovered, exact, number, refuse_if, whole
+from enclosure import ONE, Enclosure, NotCovered, exact, number, refuse_if, whole
 from more.widening import widens
 from problem import FLOOR, KEYS, SERVO, STILL, WIDER, allowed, convolved, tables_of
 
@@ -96,6 +96,10 @@ def wide_task(narrow, task):
     problem.has_width = taps and problem.kinds == {"in-position"}
     problem.latency = round(number(control.get("in_position_latency_ms", 0)) / 1000 / problem.period)
     problem.actual, problem.one_width = control.get("in_position_of") == "actual", False
+    for corner in problem.corners:
+        speeds = [abs(x) for x in corner.speed_in]
+        fastest = Enclosure(max(x.lo for x in speeds), max(x.hi for x in speeds))
+        corner.watched = fastest if control.get("in_position_by") == "axis" else corner.feed_in
     problem.smooths = "prefilter_taps" in control
     problem.servo, problem.smoothing = problem.response, read_taps(control.get("prefilter_taps", [1]))
     problem.response = convolved(problem.smoothing, problem.servo)

@@ -2,7 +2,7 @@
 Splits of contour times (j, "c") and of the samples at which an axis reverses (j, axis, "r"). Delays by one width."""
 from fractions import Fraction
 
-from enclosure import number, refuse_if, whole
+from enclosure import exact, number, refuse_if, whole
 from more.rows import ANY_SAMPLE
 from more.widening import widens
 from tree import Tree
@@ -54,10 +54,11 @@ def reduced(narrow, self, ranges, window=False):
 
 def by_width(problem, ranges, last):
     """Delays that one width may give: from the latency on, up to the last. A faster corner waits as long or longer, as
-    v_i p(e_i) < v_j p(e_j - 1)."""
-    feeds, ends = [corner.feed_in for corner in problem.corners], {}
-    for j, feed in enumerate(feeds):
-        slower, faster = ([i for i, v in enumerate(feeds) if (v - feed) * way >= 0] for way in (-1, 1))
+    v_i p(e_i) < v_j p(e_j - 1). Speeds that differ by a part of 10^-12 count as equal."""
+    speeds, ends = [exact(corner.watched).hi for corner in problem.corners], {}
+    for j, speed in enumerate(speeds):
+        slower = [i for i, v in enumerate(speeds) if v * 10**12 <= speed * (10**12 + 1)]
+        faster = [i for i, v in enumerate(speeds) if v * (10**12 + 1) >= speed * 10**12]
         ends[j, "d"] = (max(problem.latency, *(ranges[i, "d"][0] for i in slower)),
                         min([ranges[i, "d"][1] for i in faster] + ([] if last is None else [last])))
     return ranges | ends

@@ -191,7 +191,8 @@ family : str or list of str, optional
 controller : dict, optional
     name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has; delay_words: what
     a program says for each of them;
-    in_position_of ("command" or "actual") and in_position_latency (s): how it sees that it is in-position;
+    in_position_of ("command" or "actual"), in_position_by ("path" or "axis") and in_position_latency (s): how it sees
+    that it is in-position;
     corner_feed_step: corners are passed at multiples of this fraction of both feeds;
     prefilter_taps: its own smoothing of every axis; position_unit_um: positions are whole numbers of it.
 

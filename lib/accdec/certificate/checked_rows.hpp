@@ -137,6 +137,7 @@ class CheckedRows {
   int longer() const { return response_.longer(); }
   /// Samples of the control between an in-position width and the next block.
   int latency() const;
+  double watched_speed(const TaskCorner& corner) const;
   /// Cuts the delays of a box to those that one width may give to corners of these feeds.
   void order_delays(CheckedBox& box) const;
   /// The same with the box's order, after which no leg has any way left.

@@ -12,11 +12,22 @@ namespace {
 
 /// The bound of a row is wider by this, in samples: verification computes the ways in floating point.
 constexpr double granted_way = 1e-9;
+/// Speeds count as equal up to this part: widths that differ by less are one.
+constexpr double same_speed = 1e-12;
 
 }  // namespace
 
 int CheckedRows::latency() const {
   return static_cast<int>(std::lround(task_.settings->in_position_latency / task_.sample_period));
+}
+
+/// The speed of the way that the control watches: along leg 1, or of its fastest axis.
+double CheckedRows::watched_speed(const TaskCorner& corner) const {
+  const Corner& g = corner.geometry();
+  double fastest = task_.settings->in_position_by_axis ? 0.0 : g.feed_in;
+  for (Eigen::Index a = 0; task_.settings->in_position_by_axis && a < g.axes(); ++a)
+    fastest = std::max(fastest, g.feed_in * std::abs(g.direction_in[a]));
+  return fastest;
 }
 
 /// p falls and v_i p(e_i) < v_j p(e_j - 1). So where v_i >= v_j, e_i > e_j - 1.
@@ -25,7 +36,7 @@ void CheckedRows::order_delays(CheckedBox& box) const {
   for (CheckedRange& r : box.corners) r.d1 = std::max(r.d1, latency());
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) {
-      if (task_.corners[i].geometry().feed_in < task_.corners[j].geometry().feed_in) continue;
+      if (watched_speed(task_.corners[i]) < watched_speed(task_.corners[j]) * (1.0 - same_speed)) continue;
       box.corners[i].d1 = std::max(box.corners[i].d1, box.corners[j].d1);
       box.corners[j].d2 = std::min(box.corners[j].d2, box.corners[i].d2);
     }
@@ -41,7 +52,7 @@ void CheckedRows::end_delays(CheckedBox& box) const {
 
 void CheckedRows::add_row(const proof::Width& row, const Interval& weight, CheckedBox& box, CheckedSum& sum) const {
   if (!box.in_position || task_.design.symmetric) throw Rejected("a multiplier names an in-position width");
-  const double within = corner(row.within).geometry().feed_in, before = corner(row.before).geometry().feed_in;
+  const double within = watched_speed(corner(row.within)), before = watched_speed(corner(row.before));
   const int after = box.corners[static_cast<std::size_t>(row.within)].d2 - latency(),
             last = box.corners[static_cast<std::size_t>(row.before)].d1 - latency() - 1;
   if (last < 0) throw Rejected("a multiplier names the width before a corner that may not wait for it");

@@ -147,7 +147,11 @@ std::string check_corner_feeds(
   const FeedWays ways(*task.settings);
   if (std::pow(ways.count(), static_cast<double>(task.corners.size())) > most_ways)
     throw Rejected("there are too many ways past the corners");
-  if (!result.lower_bound) throw Rejected("the result claims no lower bound");
+  const bool none = result.status == Status::infeasible;
+  if (none && proof.bound_samples) throw Rejected("the certificate proves a bound, not that nothing exists");
+  if (!none && !proof.bound_samples)
+    throw Rejected("the certificate proves that nothing exists, the result has a design");
+  if (!none && !result.lower_bound) throw Rejected("the result claims no lower bound");
   std::vector<int> least;
   for (const proof::CornerFeedPart& part : proof.parts) {
     const auto known = [&](int way) { return way >= 0 && way < ways.count(); };
@@ -162,12 +166,18 @@ std::string check_corner_feeds(
     least.push_back(static_cast<int>(std::ceil(taps * (1.0 - 1e-8))) - 1);
   }
   const double proved = LeastCost(task, ways, proof.parts, least).run();
-  const double claimed =
-      (result.status == Status::optimal ? result.objective() : *result.lower_bound) / task.sample_period;
-  if (result.status == Status::infeasible || std::min(proved, proof.bound_samples) < claimed * (1.0 - 1e-9))
+  if (none) {
+    if (proved < unlimited) throw Rejected("the certificate leaves ways past the corners");
+    return fmt::format("{} parts of the feeds refuted: no filter up to order {} holds all limits", proof.parts.size(),
+                       task.design.order_max);
+  }
+  const double bound = *proof.bound_samples,
+               claimed =
+                   (result.status == Status::optimal ? result.objective() : *result.lower_bound) / task.sample_period;
+  if (std::min(proved, bound) < claimed * (1.0 - 1e-9))
     throw Rejected(fmt::format("the certificate proves {:.9g} samples, the result claims {:.9g}",
-                               std::min(proved, proof.bound_samples), claimed));
-  if (proof.bound_samples > proved * (1.0 + 1e-9)) throw Rejected("the certificate claims more than its parts prove");
+                               std::min(proved, bound), claimed));
+  if (bound > proved * (1.0 + 1e-9)) throw Rejected("the certificate claims more than its parts prove");
   if (result.status == Status::optimal && *result.lower_bound < result.objective() * (1.0 - 1e-9))
     throw Rejected("the status is optimal, but the lower bound is below the cycle time");
   return fmt::format(

@@ -90,18 +90,15 @@ class Refutation {
   /// The shortest delay without a width; -1: none.
   int plain_delay(std::size_t j, int least, double room) {
     const std::optional<int> given = task_.corners[j].delay;
-    if (given) return ways_.holds(j, *given) ? *given : -1;
-    const int first = std::max(ways_.any_delay() ? 0 : ways_.apart(), least);
-    if (!ways_.any_delay() && ways_.kind(DelayKind::continuous) && ways_.holds(j, 0)) return 0;
-    if (!ways_.any_delay() && !ways_.kind(DelayKind::exact_stop)) return -1;
-    constexpr int more = 2;  // samples that a limit may ask for at an exact stop
-    const int last = ways_.any_delay() ? ways_.longest() : ways_.apart() + more;
-    for (int d = first; d <= last; ++d) {
-      if (cost_.delay[j] * d >= room) return -1;
-      if (ways_.holds(j, d)) return d;
-      if (ways_.too_slow_from(j, d)) return -1;
-    }
-    return -1;
+    if (ways_.any_delay() && given) return ways_.holds(j, *given) ? *given : -1;
+    const double most = room / cost_.delay[j];
+    if (ways_.any_delay()) return ways_.first_held(j, least, ways_.longest(), most);
+    if (ways_.kind(DelayKind::continuous) && given.value_or(0) == 0 && ways_.holds(j, 0)) return 0;
+    if (!ways_.kind(DelayKind::exact_stop)) return -1;
+    constexpr int more = 1;  // sample that a limit may ask for at an exact stop
+    const int apart = ways_.apart(), first = given ? apart : std::max(apart, least);
+    const int stop = ways_.first_held(j, first, apart + more, most);
+    return given.value_or(stop) == stop ? stop : -1;
   }
 
   /// Ways that hold all limits within the room, of any kind that the controller has.
@@ -130,8 +127,13 @@ class Refutation {
     return std::nullopt;
   }
 
-  /// The way of a full-speed sample of leg 1.
-  double way_of(std::size_t j) const { return task_.corners[j].geometry().feed_in * task_.sample_period; }
+  /// The way of a full-speed sample of leg 1: along it, or of its fastest axis where the control watches each axis.
+  double way_of(std::size_t j) const {
+    const Corner& g = task_.corners[j].geometry();
+    double part = 0.0;
+    for (Eigen::Index a = 0; a < g.axes(); ++a) part = std::max(part, std::abs(g.direction_in[a]));
+    return (task_.settings->in_position_by_axis ? part : 1.0) * g.feed_in * task_.sample_period;
+  }
   /// The delay that this width gives a corner.
   int delay_of(std::size_t j, double width) const {
     const std::vector<double>& left = limits_.way_watched();

@@ -55,6 +55,14 @@ class Ways {
     }
     return state == State::open;
   }
+  /// The first of these delays that holds, if it is below `most`; -1: none.
+  int first_held(std::size_t j, int first, int last, double most) {
+    for (int d = first; d <= last && d < most; ++d) {
+      if (holds(j, d)) return d;
+      if (too_slow_from(j, d)) return -1;
+    }
+    return -1;
+  }
   bool too_slow_from(std::size_t j, int delay) const { return limits_.too_slow_from(granted_.corners[j], delay); }
   void shut(std::size_t j, int way) { known(j, way) = State::shut; }
 

@@ -66,12 +66,15 @@ class CornerFeedSearch {
   }
 
   std::optional<CornerFeedBound> run() {
-    if (std::string why = none_at_slowest(); !why.empty()) return CornerFeedBound{unlimited, nullptr, std::move(why)};
-    if (!find_order(slowest())) return std::nullopt;
+    std::string none = none_at_slowest();
+    const bool found = find_order(slowest());
+    if (found && std::min(cheapest().cost, best_) == unlimited) return proof(unlimited, std::move(none));
+    if (!none.empty()) return CornerFeedBound{unlimited, nullptr, std::move(none)};
+    if (!found) return std::nullopt;
     for (std::size_t j = 0; j < task_.corners.size(); ++j) find_fastest(j);
     for (;;) {
       const Cheapest best = cheapest();
-      if (std::min(best.cost, best_) == unlimited) return std::nullopt;
+      if (std::min(best.cost, best_) == unlimited) return proof(unlimited);
       if (best.cost >= best_ * (1.0 - 1e-12)) return proof(best_);
       const auto known = [&](const Part& part) { return part.is.multiples == best.ways; };
       if (std::ranges::any_of(parts_, known) || !find_order(best.ways)) return proof(best.cost);
@@ -205,7 +208,7 @@ class CornerFeedSearch {
   }
 
   /// With the parts that the bound needs.
-  CornerFeedBound proof(double bound) {
+  CornerFeedBound proof(double bound, std::string none = "") {
     for (std::size_t p = parts_.size(); p-- > 0;) {
       Part part = std::move(parts_[p]);
       parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(p));
@@ -213,9 +216,9 @@ class CornerFeedSearch {
         parts_.insert(parts_.begin() + static_cast<std::ptrdiff_t>(p), std::move(part));
     }
     proof::CornerFeeds proof;
-    proof.bound_samples = bound;
+    if (bound < unlimited) proof.bound_samples = bound;
     for (Part& part : parts_) proof.parts.push_back(std::move(part.is));
-    return {bound, std::make_shared<Certificate>(Certificate{std::move(proof)}), ""};
+    return {bound, std::make_shared<Certificate>(Certificate{std::move(proof)}), std::move(none)};
   }
 
   const Task& task_;

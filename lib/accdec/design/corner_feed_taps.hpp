@@ -12,11 +12,11 @@
 
 namespace accdec {
 
-/// A lower bound on all designs, and its proof. Or why there are none, without a certificate.
+/// A lower bound on all designs, and its proof. Unlimited if there are none.
 struct CornerFeedBound {
-  double samples = 0.0;  ///< of the task's objective
-  std::shared_ptr<const Certificate> certificate;
-  std::string none{};
+  double samples = 0.0;                            ///< of the task's objective
+  std::shared_ptr<const Certificate> certificate;  ///< null if the time ended before it
+  std::string none{};                              ///< why there are none, where that is known
 };
 
 /// For controls that pass corners at parts of the feed, at feed and by exact stops alone. All limits must be in

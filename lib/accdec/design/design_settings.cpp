@@ -68,16 +68,30 @@ std::string closest_break(const Task& task, double seconds, const std::atomic<bo
   }
   if (!closest.chosen) return "";
   const Filter filter = make_filter(closest.chosen->filter);
-  // Wider tolerances have shorter delays. A limit that is broken with the legs apart is broken with any delay.
-  std::vector<int> apart;
-  for (const TaskCorner& corner : task.corners) apart.push_back(corner.delay.value_or(filter.order() + 1));
-  VerificationReport report = verify_by_simulation(task, filter, apart);
+  // Wider tolerances have shorter delays, where the control may wait longer. A limit that is broken with the legs apart
+  // is broken with any delay.
+  VerificationReport report;
+  report.feasible = true;
+  if (task.settings->any_delay() || task.settings->names(DelayKind::in_position)) {
+    const int longest = filter.order() + Response(task.machine, task.sample_period).order() + 2;
+    std::vector<int> apart;
+    for (const TaskCorner& corner : task.corners) apart.push_back(corner.delay.value_or(longest));
+    report = verify_by_simulation(task, filter, apart);
+  }
   if (report.feasible)
     report = verify_by_simulation(task, filter, closest.delays.delays, nullptr, nullptr, closest.delays.parts);
   if (report.feasible) return "";
   const bool closest_of_all = searched && held <= 1.01 * broken;
   return fmt::format("the closest{}, {}, breaks {}", closest_of_all ? "" : " found in the time given",
                      settings_in_words(*closest.chosen), report.worst);
+}
+
+/// ", and a delay of 14 ms", or of the shortest to the longest; empty if there is none.
+std::string and_delays(const std::vector<int>& delays, double period) {
+  const auto [least, most] = std::ranges::minmax(delays);
+  if (most == 0) return "";
+  if (least == most) return fmt::format(", and a delay of {:.6g} ms", 1e3 * most * period);
+  return fmt::format(", and delays of {:.6g} to {:.6g} ms", 1e3 * least * period, 1e3 * most * period);
 }
 
 /// Adds the proof that no member of the families is shorter.
@@ -175,8 +189,8 @@ std::string why_no_setting_holds(const Task& task, double seconds, const std::at
   }
   const SettableDesign near = best_settings(lifted, 0.5 * seconds, cancel);
   if (near.chosen)
-    reasons.push_back(
-        fmt::format("the nearest that do, with any step, length and delay: {}", settings_in_words(*near.chosen)));
+    reasons.push_back(fmt::format("the nearest that do, with any step, length and delay: {}{}",
+                                  settings_in_words(*near.chosen), and_delays(near.delays.delays, task.sample_period)));
   else if (near.complete)
     reasons.push_back(fmt::format("none does up to order {}, whatever step, length and delay", task.design.order_max));
   return fmt::format("{}", fmt::join(reasons, "; "));

@@ -84,9 +84,21 @@ CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vect
     for (Eigen::Index r = 0; r < rows; ++r)
       basis(r, s + 1) = part_moved(reached, rows_[static_cast<std::size_t>(r)] - first[leg], count[leg], s >= legs);
   }
-  CommandFit fit{0.0, first, count, {}};
+  CommandFit fit;
+  fit.first = first, fit.count = count;
   fit.coefficients = (basis.transpose() * basis).ldlt().solve(basis.transpose() * at_);
-  fit.squares = ((at_ - basis * fit.coefficients) * command_.weights.asDiagonal()).squaredNorm();
+  const Eigen::VectorXd squares =
+      ((at_ - basis * fit.coefficients) * command_.weights.asDiagonal()).rowwise().squaredNorm();
+  fit.squares = squares.sum();
+  const int length = static_cast<int>(reached.size());
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    bool acts = false;
+    for (std::size_t leg = 0; leg < first.size(); ++leg) {
+      const int begun = rows_[static_cast<std::size_t>(r)] - first[leg], ended = begun - count[leg];
+      acts = acts || (begun > 0 && begun < length) || (ended > 0 && ended < length);
+    }
+    if (acts) fit.acting_squares += squares[r], fit.acting += command_.axes();
+  }
   return fit;
 }
 
@@ -121,6 +133,12 @@ CommandFit FitWindow::fit(const Filter& designed, int around) const {
   return best;
 }
 
+double FitWindow::figure(const CommandFit& fit, int parameters) const {
+  const double part = static_cast<double>(fit.acting) / static_cast<double>(values());
+  const double numbers = static_cast<double>(command_.legs.size() + 1) * static_cast<double>(command_.axes());
+  return std::sqrt(fit.acting_squares / std::max(1.0, static_cast<double>(fit.acting) - parameters - part * numbers));
+}
+
 std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const CommandFit& fit) const {
   const std::vector<double> reached = moved(behind(filter, smoothing_));
   std::vector<std::vector<double>> positions;
@@ -138,7 +156,7 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
   return positions;
 }
 
-Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
+Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
   const std::vector<double> reached = moved(smoothing_);
   const auto rows = static_cast<Eigen::Index>(rows_.size());
   Eigen::MatrixXd a(rows * command_.axes(), order + 1);
@@ -146,9 +164,10 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
   Eigen::Index row = 0;
   for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) {
     const double weight = command_.weights(axis);
-    for (Eigen::Index r = 0; r < rows && weight > 0.0; ++r, ++row) {
+    if (!(weight > 0.0)) continue;
+    for (Eigen::Index r = 0; r < rows; ++r, ++row) {
       const int k = rows_[static_cast<std::size_t>(r)];
-      b(row) = weight * (at_(r, axis) - fit.coefficients(0, axis));
+      b(row) = weight * at_(r, axis);
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
         for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
@@ -159,11 +178,27 @@ Filter FitWindow::free_taps(const CommandFit& fit, int order) const {
         a(row, i) = weight * way;
       }
     }
+    // Without the means, any start of the axis fits.
+    a.middleRows(row - rows, rows).rowwise() -= a.middleRows(row - rows, rows).colwise().mean().eval();
+    b.segment(row - rows, rows).array() -= b.segment(row - rows, rows).mean();
   }
   const double scale = a.cwiseAbs().maxCoeff();
   const Eigen::VectorXd taps =
       nlp::nonnegative_least_squares(a / scale, b / scale, std::vector<char>(static_cast<std::size_t>(order) + 1, 1));
   return Filter({taps.data(), taps.data() + taps.size()});
+}
+
+Filter FitWindow::free_taps(CommandFit& fit, int order) const {
+  constexpr int most_rounds = 300;
+  constexpr double gain = 1e-5;
+  Filter found = taps_for(fit, order);
+  for (int round = 0; round < most_rounds; ++round) {
+    const double before = fit.squares;
+    fit = refit(found, fit);
+    if (round > 0 && fit.squares > (1.0 - gain) * before) break;
+    found = taps_for(fit, order);
+  }
+  return found;
 }
 
 }  // namespace accdec

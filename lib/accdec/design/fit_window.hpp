@@ -13,7 +13,9 @@ namespace accdec {
 
 /// One fit of a command behind a filter to a log.
 struct CommandFit {
-  double squares = 0.0;           ///< m^2, sum of squared differences, each times its axis' weight
+  double squares = 0.0;         ///< m^2, sum of squared differences, each times its axis' weight
+  double acting_squares = 0.0;  ///< m^2, the same in the samples in which the filter acts: between rest and full speed
+  long acting = 0;              ///< values in these samples
   std::vector<int> first, count;  ///< of each leg, samples
   /// Start, then ways of the legs' full steps, then those of their last steps if these may be shorter, by rows, m; axes
   /// by columns.
@@ -34,16 +36,22 @@ class FitWindow {
   CommandFit fit(const Filter& filter, int around) const;
   /// Position of every sample, by axis, m.
   std::vector<std::vector<double>> model(const Filter& filter, const CommandFit& fit) const;
-  /// Any taps >= 0 of this order, by least squares; the command as of a fit.
-  Filter free_taps(const CommandFit& fit, int order) const;
-  /// The same command, with the ways that fit this filter best.
-  CommandFit refit(const Filter& filter, const CommandFit& fit) const;
+  /// Any taps >= 0 of this order with start and ways, by least squares.
+  /// @param fit  a command, of whose ways the taps are found first, then ways with the taps, and so on
+  Filter free_taps(CommandFit& fit, int order) const;
+  /// m, root of the mean square of a fit's differences in the samples in which the filter acts. The numbers of the
+  /// command are fitted to all samples alike. @param parameters  numbers of the filter that were fitted
+  double figure(const CommandFit& fit, int parameters) const;
   /// Values that are compared.
   long values() const { return static_cast<long>(rows_.size()) * command_.axes(); }
 
  private:
   CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first,
                     const std::vector<int>& count) const;
+  /// The same command, with the ways that fit this filter best.
+  CommandFit refit(const Filter& filter, const CommandFit& fit) const;
+  /// With the ways of a fit, and any start.
+  Filter taps_for(const CommandFit& fit, int order) const;
   const MotionLog& log_;
   const LoggedCommand& command_;
   Filter smoothing_;

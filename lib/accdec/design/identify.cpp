@@ -82,9 +82,9 @@ class Identifier {
   bool fits_as_well_as_taps() const {
     constexpr double far_more = 3.0, deviations = 4.0;
     const double numbers = taps_.parameters, values = static_cast<double>(window_.values());
-    const double least = std::max(taps_.rms, options_.noise.value_or(0.0));
+    const double least = std::max(taps_rms(), options_.noise.value_or(0.0));
     const double chance = (numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
-    return best_rms() <= noise_more * least + rounding() &&
+    return best_rms() <= noise_more * least + rounding() + cut_off() &&
            best_rms() <= far_more * noise() + rounding() + speed_error() &&
            all_.front().squares <= taps_squares_ + chance + values * (rounding() * rounding() + cut_off() * cut_off());
   }
@@ -123,6 +123,8 @@ class Identifier {
     return std::sqrt(squares / std::max(1.0, free));
   }
 
+  double taps_rms() const { return rms(taps_squares_, taps_.parameters); }
+
   void taps() {
     // A command that begins early enough for every first tap.
     const Filter like = make_filter(all_.front().fitted.filter);
@@ -134,30 +136,24 @@ class Identifier {
           "are {} or more",
           window_.values(), numbers, numbers + least_free));
     for (int& first : fit.first) first -= early;
-    // Ways are refitted with the taps, and taps with these ways: those of the family's fit make up for its taps.
-    Filter found = window_.free_taps(fit, like.order() + 2 * early);
-    constexpr int most_rounds = 30;
-    for (int round = 0; round < most_rounds; ++round) {
-      const double before = fit.squares;
-      fit = window_.refit(found, fit);
-      if (round > 0 && fit.squares > 0.99 * before) break;
-      found = window_.free_taps(fit, like.order() + 2 * early);
-    }
-    std::vector<double> taps(found.taps().begin(), found.taps().end());
+    const Filter found = window_.free_taps(fit, like.order() + 2 * early);
+    const std::vector<double> taps(found.taps().begin(), found.taps().end());
     // A tap is a second difference of positions, which has about the noise times the root of six.
-    const double least =
-        std::clamp(5.0 * rms(window_.fit(found, 2).squares, found.order() + 1) / command_.step, 1e-6, 1e-3);
+    const double small = std::clamp(5.0 * rms(fit.squares, found.order() + 1) / command_.step, 1e-6, 1e-3);
+    const double least = std::min(small, *std::ranges::max_element(taps));
     const auto counts = [=](double tap) { return tap >= least; };
-    while (taps.size() > 1 && !counts(taps.back())) taps.pop_back();
     const auto begins = std::find_if(taps.begin(), taps.end(), counts);
-    taps.erase(taps.begin(), begins);
-    const Filter trimmed(taps);
+    const auto ends = std::find_if(taps.rbegin(), taps.rend(), counts).base();
+    // The others must make up for the taps that are left out.
+    for (int& first : fit.first) first += static_cast<int>(begins - taps.begin());
+    const Filter trimmed = window_.free_taps(fit, static_cast<int>(ends - begins) - 1);
     taps_.family = SettingFamily::taps;
     taps_.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};
     taps_.parameters = trimmed.order() + 1;
-    taps_squares_ = window_.fit(trimmed, 2).squares;
-    taps_.rms = rms(taps_squares_, taps_.parameters);
+    const CommandFit best = window_.fit(trimmed, 2);
+    taps_squares_ = best.squares;
+    taps_.rms = window_.figure(best, taps_.parameters);
   }
 
   Identification answer() {
@@ -165,14 +161,14 @@ class Identifier {
     result.taps = taps_;
     result.log_noise = command_.noise;
     const double best = best_rms();
-    if (std::min(best, taps_.rms) > unexplained * command_.step)
+    if (std::min(best, taps_rms()) > unexplained * command_.step)
       throw std::invalid_argument(
           fmt::format("the log is no straight move and no corner from rest to rest, or has too much noise: the best "
                       "fit leaves {:.4g} um rms; allowed are {:.4g} um, a part of {:g} of a sample's way",
-                      1e6 * std::min(best, taps_.rms), 1e6 * unexplained * command_.step, unexplained));
+                      1e6 * std::min(best, taps_rms()), 1e6 * unexplained * command_.step, unexplained));
     if (!fits_as_well_as_taps()) {
       result.fits = {taps_};
-      result.noise = options_.noise.value_or(taps_.rms);
+      result.noise = options_.noise.value_or(taps_rms());
     } else {
       result.noise = std::max(options_.noise.value_or(best), noise_least);
       result.fits = likely(result.noise);
@@ -216,7 +212,7 @@ class Identifier {
       filters.push_back(filter);
       c.fitted.sigmas = std::sqrt(worse);
       c.fitted.likelihood = std::exp(-0.5 * worse);
-      c.fitted.rms = rms(c.squares, c.fitted.parameters);
+      c.fitted.rms = window_.figure(window_.fit(filter, 2), c.fitted.parameters);
       sum += c.fitted.likelihood;
       fits.push_back(c.fitted);
     }

@@ -14,7 +14,7 @@ struct FittedFilter {
   SettingFamily family = SettingFamily::averages;
   FilterSpec filter{};
   int parameters = 1;            ///< numbers that were fitted: stages, 1 for a pole, taps ..
-  double rms = 0.0;              ///< m, of the differences between log and fit
+  double rms = 0.0;              ///< m, of the differences between log and fit in the samples in which the filter acts
   double sigmas = 0.0;           ///< by how many standard deviations of the noise the best fits better
   double likelihood = 0.0;       ///< share among all members that were looked at, 0 .. 1; 0 for taps
   double time_constant = 0.0;    ///< s, of a pole or a finite exponential

@@ -12,12 +12,12 @@
 #include <accdec/design/corner_feed_taps.hpp>
 #include <accdec/design/design_settings.hpp>
 #include <accdec/design/merged_result.hpp>
+#include <accdec/design/one_kind.hpp>
 #include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/one_width.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
-#include <accdec/machine/response.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/equal_corners.hpp>
 #include <accdec/task/objective.hpp>
@@ -25,126 +25,6 @@
 
 namespace accdec {
 namespace {
-
-/// Gives a delay to every corner that the task gives none. @param of  of a corner's number
-template <class DelayOf>
-void give_delays(const Task& task, const DelayOf& of, Task& given) {
-  for (std::size_t j = 0; j < given.corners.size(); ++j) given.corners[j].delay = task.corners[j].delay.value_or(of(j));
-}
-
-/// A task without its control's kinds of delays, with the delays that one kind gives.
-class GivenDelays {
- public:
-  GivenDelays(const Task& task, const DesignOptions& options) : task_(task), given_(task), options_(options) {
-    given_.settings.reset();
-  }
-  double left() const { return std::max(1e-3, options_.time_limit - seconds_since(began_)); }
-  /// @param least, most  of the order
-  DesignResult design(int delay, double seconds, int least, int most) {
-    give_delays(
-        task_, [&](std::size_t) { return delay; }, given_);
-    given_.design.order_min = least, given_.design.order_max = most;
-    DesignOptions within = options_;
-    within.time_limit = seconds;
-    return design_task(given_, within);
-  }
-  DesignResult design(int delay, double seconds) {
-    return design(delay, seconds, task_.design.order_min, task_.design.order_max);
-  }
-
- private:
-  const Task& task_;
-  Task given_;
-  const DesignOptions& options_;
-  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-};
-
-/// Behind a control's smoothing or a servo the motion goes on after the filter's end. So an exact stop may wait up to
-/// two samples more, and may need a longer filter for its error. @param order  no shorter filter holds starts and stops
-DesignResult stop_before_a_response(const Task& task, int order, bool shortest, GivenDelays& given) {
-  // A filter that is one tap longer costs as much as the first sample more, or more.
-  for (int delay = order; delay <= order + 1 && shortest; ++delay) {
-    DesignResult result = given.design(delay, given.left());
-    if (result.has_design() && result.filter->order() == order) return result;
-    shortest = result.status == Status::optimal || result.status == Status::infeasible;
-  }
-  const int most = task.design.order_max, last = most + exact_stop_more;
-  const auto stop_of = [&](int delay) {
-    const int least = std::max({task.design.order_min, order, delay - exact_stop_more});
-    return given.design(delay, 0.5 * given.left(), least, std::min(delay, most));
-  };
-  // Longer and longer stops, and then those before the first that holds.
-  DesignResult found = stop_of(order);
-  const std::string why = found.message;
-  int held = order, broken = order;
-  while (!found.has_design() && held < last && given.left() > 1e-3) {
-    broken = held, held = std::min(last, std::max(held + 1, held * 5 / 4));
-    found = stop_of(held);
-  }
-  for (int delay = broken + 1; delay < held && given.left() > 1e-3; ++delay) {
-    if (!found.has_design()) break;
-    if (DesignResult shorter = stop_of(delay); shorter.has_design()) held = delay, found = std::move(shorter);
-  }
-  if (!found.has_design()) {
-    found.status = Status::failed;
-    found.message = "no filter was found that holds all limits with exact stops; with the shortest, " + why;
-  }
-  found.task = task;
-  found.lower_bound.reset(), found.gap.reset(), found.certificate.reset();
-  if (!found.has_design()) return found;
-  // The bound of any delays.
-  found.status = Status::feasible;
-  Task any = task;
-  any.settings.reset();
-  DesignOptions rest;
-  rest.time_limit = given.left();
-  const DesignResult bound = design_task(any, rest);
-  if (bound.lower_bound && bound.certificate) {
-    found.lower_bound = bound.lower_bound, found.certificate = bound.certificate;
-    judge_gap(found);
-  }
-  return found;
-}
-
-constexpr const char* no_given_stops = "no filter of the orders asked for has exact stops of the given delays";
-
-/// Keeps the orders of filters whose exact stops have the given delays; false if there are none. An exact stop starts
-/// leg 2 when the filter has ended, or a little later.
-bool keep_given_stops(Task& task) {
-  DesignBounds& range = task.design;
-  for (const TaskCorner& corner : task.corners) {
-    if (!corner.delay) continue;
-    range.order_min = std::max(range.order_min, *corner.delay - exact_stop_more);
-    range.order_max = std::min(range.order_max, *corner.delay);
-  }
-  return range.order_min <= range.order_max;
-}
-
-/// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop
-/// lasts as long as the filter, so that the shortest filter is the best. No shorter one holds all limits with any delay
-/// behind which the legs are apart, and the proof with its own one says so.
-DesignResult design_for_one_kind(const Task& asked, bool stops, const DesignOptions& options) {
-  Task task = asked;
-  if (stops && !keep_given_stops(task)) throw std::invalid_argument(fmt::format("delay_samples: {}", no_given_stops));
-  GivenDelays given(task, options);
-  DesignResult result =
-      stops ? given.design(task.design.order_max, 0.5 * options.time_limit) : given.design(0, options.time_limit);
-  if (stops && result.has_design()) {
-    const int order = result.filter->order();
-    result = Response(task.machine, task.sample_period).ideal()
-                 ? given.design(order, given.left())
-                 : stop_before_a_response(task, order, result.status == Status::optimal, given);
-  }
-  if (!stops && asked.settings && result.status == Status::infeasible)
-    result.message += "; the control has no delays at corners";
-  const auto is_given = [](const TaskCorner& corner) { return corner.delay.has_value(); };
-  if (stops && std::ranges::any_of(task.corners, is_given) && result.status == Status::infeasible)
-    result.message += fmt::format("; exact stops of the given delays need filters of order {} to {}",
-                                  task.design.order_min, task.design.order_max);
-  result.task.design = task.design;
-  result.task.settings = task.settings;
-  return result;
-}
 
 /// The cheapest of the filters offered, each with the cheapest delays of the task's kinds.
 class Cheapest {
@@ -242,6 +122,14 @@ void offer_for_delays(const Task& any, const DesignOptions& options, Cheapest& c
   }
 }
 
+/// Why a search that found no filter is no proof. @param taps  designed with any delays
+const char* why_unproved(const DesignResult& taps, bool slows) {
+  if (slows)
+    return "proofs about corner feeds need few corners, limits in proportion to the feed, no given delays, and time";
+  if (taps.has_design()) return "filters with other delays exist, and no proof is about these kinds together";
+  return "the search with delays of any number of samples ended first";
+}
+
 }  // namespace
 
 ChosenSettings as_settings(const Filter& filter) {
@@ -329,10 +217,14 @@ DesignResult design_taps_of_kinds(const Task& asked, const DesignOptions& option
   result.solver = proof.solver, result.stop = proof.stop;
   result.solver.wall_time = seconds_since(began);
   if (!result.has_design()) {
-    result.status = Status::failed;
+    const bool none = slow && slow->certificate && slow->samples == unlimited;
+    result.status = none ? Status::infeasible : Status::failed;
+    if (none) result.certificate = slow->certificate;
     if (slow) reasons.push_back(slow->none);
+    if (!none) reasons.push_back(std::string("that there is none is not proved: ") + why_unproved(taps, slows));
     std::erase(reasons, "");
-    reasons.insert(reasons.begin(), "no filter was found that holds all limits with delays of these kinds");
+    reasons.insert(reasons.begin(), none ? "no filter holds all limits with delays of these kinds"
+                                         : "no filter was found that holds all limits with delays of these kinds");
     result.message = fmt::format("{}", fmt::join(reasons, "; "));
     return result;
   }

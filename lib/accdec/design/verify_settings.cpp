@@ -8,12 +8,13 @@
 #include <accdec/design/verify_settings.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/objective.hpp>
+#include <accdec/verify.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr double part = 1e-9;
-constexpr double kept_digits = 1e-9;  // times are written with nine decimals, in the unit of the parameter
+constexpr double kept_digits = 1e-9;  // times are written with nine decimals or more, in the unit of the parameter
 
 bool same_taps(const Filter& a, const std::vector<double>& b) {
   bool same = a.order() + 1 == static_cast<int>(b.size());
@@ -111,15 +112,16 @@ class InPosition {
     const Corner& g = result_.task.corners[j].geometry();
     const double step = g.feed_in * result_.task.sample_period;
     for (int d = 0;; ++d) {
-      double squares = 0.0;
+      double squares = 0.0, longest = 0.0;  // along the path, and of one axis
       for (Eigen::Index a = 0; a < g.axes(); ++a) {
         const Filter& watched =
             control.in_position_actual ? behind_.motion(static_cast<std::size_t>(a)) : behind_.command();
         double way = 0.0;
         for (int i = d + 1; i <= watched.order(); ++i) way += watched.tap(i) * (i - d);
         squares += g.direction_in[a] * g.direction_in[a] * way * way;
+        longest = std::max(longest, std::abs(g.direction_in[a]) * way);
       }
-      if (step * std::sqrt(squares) <= width || d > behind_.longest_order())
+      if (step * (control.in_position_by_axis ? longest : std::sqrt(squares)) <= width || d > behind_.longest_order())
         return d + static_cast<int>(std::lround(control.in_position_latency / result_.task.sample_period));
     }
   }
@@ -164,6 +166,16 @@ void compare_feed(const DesignResult& result, std::size_t j, std::vector<std::st
         fmt::format("corner {}: {} of the feed is no multiple of corner_feed_step", corner.name, corner.feed_part));
 }
 
+/// Whether this corner is an exact stop: as soon as the legs are apart, or a sample later if a limit asks for that.
+bool is_exact_stop(const DesignResult& result, std::size_t j) {
+  const int apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
+  const int longer = result.corners[j].delay - apart;
+  if (longer != 1) return longer == 0;
+  std::vector<LimitUse> limits;
+  verify_by_simulation(corner_alone(result.task, result.task.corners[j]), *result.filter, {apart}, &limits);
+  return std::ranges::any_of(limits, [](const LimitUse& use) { return use.utilisation > 1.0; });
+}
+
 void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons) {
   const auto& kinds = result.settings->delays;
   const auto& allowed = result.task.settings->delays;
@@ -174,14 +186,13 @@ void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons
   bool in_position = false;
   for (std::size_t j = 0; j < kinds.size(); ++j) {
     compare_feed(result, j, reasons);
-    const int d = result.corners[j].delay,
-              apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
+    const int d = result.corners[j].delay;
     const std::string& name = result.corners[j].name;
     if (std::find(allowed.begin(), allowed.end(), kinds[j]) == allowed.end())
       reasons.push_back(fmt::format("corner {}: the controller has no delay of kind {}", name, to_string(kinds[j])));
     if (kinds[j] == DelayKind::continuous && d != 0)
       reasons.push_back(fmt::format("corner {}: delay {} is not continuous", name, d));
-    if (kinds[j] == DelayKind::exact_stop && (d < apart || d > result.filter->order() + 2))
+    if (kinds[j] == DelayKind::exact_stop && !is_exact_stop(result, j))
       reasons.push_back(fmt::format("corner {}: delay {} is no exact stop", name, d));
     in_position = in_position || kinds[j] == DelayKind::in_position;
   }
@@ -194,11 +205,10 @@ void compare_kinds(const DesignResult& result, std::vector<std::string>& reasons
 void compare_one_kind(const DesignResult& result, std::vector<std::string>& reasons) {
   const auto& control = result.task.settings;
   if (!control || control->any_delay() || !result.filter) return;
-  const int apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
-  for (const CornerResult& corner : result.corners) {
+  for (std::size_t j = 0; j < result.corners.size(); ++j) {
+    const CornerResult& corner = result.corners[j];
     const bool runs_on = control->names(DelayKind::continuous) && corner.delay == 0,
-               stops = control->names(DelayKind::exact_stop) && corner.delay >= apart &&
-                       corner.delay <= result.filter->order() + 2;
+               stops = control->names(DelayKind::exact_stop) && is_exact_stop(result, j);
     if (!runs_on && !stops)
       reasons.push_back(fmt::format("corner {}: the controller has no delay of {} samples", corner.name, corner.delay));
   }

@@ -155,12 +155,12 @@ bool LemmaProver::check_width(JointWork& work, const JointNode& at, double targe
   TogetherSearch::Answer answer = some_.refute(work.order, most, no_budget, {}, at.d1);
   if (!answer.refuted) return some_.best()->value < target * (1.0 - 1e-12);
   for (std::size_t j = 0; j < most.size() && !stop_(); ++j) {
-    const double feed = task_.corners[j].geometry().feed_in;
-    const auto same = [&](const TaskCorner& c) { return c.geometry().feed_in == feed; };
-    const auto here = task_.corners.begin() + static_cast<std::ptrdiff_t>(j);
-    if (std::any_of(task_.corners.begin(), here, same)) continue;
+    const auto same = [&](std::size_t i) { return same_by_width(task_, static_cast<int>(i), static_cast<int>(j)); };
+    std::size_t first = 0;
+    while (!same(first)) ++first;
+    if (first < j) continue;
     std::vector<int> longer = most;
-    for (std::size_t i = 0; i < most.size(); ++i) longer[i] += same(task_.corners[i]) ? 1 : 0;
+    for (std::size_t i = 0; i < most.size(); ++i) longer[i] += same(i) ? 1 : 0;
     const long budget = attempt + static_cast<long>(answer.tree.size());
     TogetherSearch::Answer more = some_.refute(work.order, longer, budget, answer.tree, at.d1);
     if (more.refuted) answer.tree = std::move(more.tree), most = std::move(longer);

@@ -7,13 +7,24 @@ namespace accdec::exact {
 namespace {
 
 double feed_of(const Task& task, int corner) {
-  return task.corners[static_cast<std::size_t>(corner)].geometry().feed_in;
+  return watched_speed(*task.settings, task.corners[static_cast<std::size_t>(corner)].geometry());
+}
+
+/// Speeds this close ask for the same width: no control tells such widths apart.
+constexpr double same_width = 1e-12;
+
+bool alike(double a, double b) {
+  return std::abs(a - b) <= same_width * std::max(a, b);
 }
 
 }  // namespace
 
 bool by_one_width(const Task& task) {
   return task.settings && task.settings->delays == std::vector{DelayKind::in_position};
+}
+
+bool same_by_width(const Task& task, int a, int b) {
+  return alike(feed_of(task, a), feed_of(task, b));
 }
 
 int width_latency(const Task& task) {
@@ -30,7 +41,7 @@ bool order_by_width(const Task& task, std::vector<CornerBox>& corners) {
     CornerBox& faster = corners[static_cast<std::size_t>(i)];
     for (int j = 0; j < count; ++j) {
       CornerBox& slower = corners[static_cast<std::size_t>(j)];
-      if (feed_of(task, i) < feed_of(task, j)) continue;
+      if (feed_of(task, i) < feed_of(task, j) * (1.0 - same_width)) continue;
       faster.d1 = std::max(faster.d1, slower.d1);
       slower.d2 = std::min(slower.d2, faster.d2);
     }
@@ -69,7 +80,7 @@ std::optional<proof::Width> broken_width(const Task& task, const Filter& designe
   const int count = static_cast<int>(box.corners.size());
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j) {
-      const auto row = feed_of(task, i) == feed_of(task, j) ? std::nullopt : width_row(task, {i, j}, box);
+      const auto row = same_by_width(task, i, j) ? std::nullopt : width_row(task, {i, j}, box);
       if (!row) continue;
       const Filter& taps = row->actual ? designed : command;
       double value = 0.0;

@@ -16,6 +16,8 @@ namespace accdec::exact {
 
 /// Whether the task's control delays every corner by one width and has no other delays.
 bool by_one_width(const Task& task);
+/// Whether every width gives two corners the same delay.
+bool same_by_width(const Task& task, int a, int b);
 /// The control's latency, samples; 0 for other tasks. Delays may be longer than the motion by it.
 int width_latency(const Task& task);
 /// Faster corners wait at least as long: p(e_i) < p(e_j - 1) where v_i >= v_j. Nothing is left of any leg after the

@@ -168,13 +168,21 @@ std::vector<int> settable_lengths(const SettableStage& stage, double period, int
   return lengths;
 }
 
+/// A time as it is entered: with nine decimals, or nine digits where these are more. In minutes a millisecond
+/// is 1.7e-5.
+double entered(double time) {
+  if (!(time > 0.0)) return 0.0;
+  const double unit = std::pow(10.0, std::max(9.0, 8.0 - std::floor(std::log10(time))));
+  return std::round(time * unit) / unit;
+}
+
 /// Settings of stages in a controller's words, off stages as 0. @param lengths  samples, one a stage; 0: off
 std::vector<Setting> values_of(const ControllerSettings& settings, const std::vector<int>& lengths, double period) {
   std::vector<Setting> values;
   for (std::size_t s = 0; s < lengths.size(); ++s) {
     const SettableStage& stage = settings.stages[s];
     const double time = lengths[s] * period;
-    values.push_back({stage.name, std::round(1e9 * time / stage.unit_seconds) / 1e9, stage.unit});
+    values.push_back({stage.name, entered(time / stage.unit_seconds), stage.unit});
   }
   return values;
 }

@@ -254,7 +254,7 @@ proof::FamilyEnumeration read_families(const Value& value) {
 proof::CornerFeeds read_corner_feeds(const Value& value) {
   value.members({"schema", "kind", "bound_samples", "parts"});
   proof::CornerFeeds proof;
-  proof.bound_samples = value["bound_samples"].number();
+  proof.bound_samples = value["bound_samples"].optional_number();
   for (const Value& entry : value["parts"].elements()) {
     entry.members({"multiples", "orders"});
     proof::CornerFeedPart part;

@@ -94,6 +94,7 @@ FileKind make_controller_file() {
       as_in_tasks(controller_keys(), "delays", "how it delays the second leg of a corner", "not known"),
       *find_key(controller_keys(), "delay_words"),
       *find_key(controller_keys(), "in_position_of"),
+      *find_key(controller_keys(), "in_position_by"),
       *find_key(controller_keys(), "in_position_latency_ms"),
       *find_key(controller_keys(), "corner_feed_step"),
       {.name = "unknown",
@@ -163,6 +164,7 @@ Controller read_controller(const Table& top, std::string name) {
   for (const std::string& word : texts_once(top, "delays")) controller.delays.push_back(*delay_kind_from_string(word));
   read_words(top, controller);
   controller.in_position_actual = top.has("in_position_of") && top.word("in_position_of") == "actual";
+  controller.in_position_by_axis = top.has("in_position_by") && top.word("in_position_by") == "axis";
   controller.in_position_latency = top.number("in_position_latency_ms").value_or(0.0);
   controller.corner_feed_step = top.number("corner_feed_step").value_or(controller.corner_feed_step);
   controller.unknown = top.texts("unknown");
@@ -179,6 +181,13 @@ Controller read_controller(const Table& top, std::string name) {
   const bool times = ControllerSettings{.families = families}.names_family();
   if (times && (controller.stages.empty() || controller.stages.size() > 3))
     top.fail(fmt::format("{} [[stage]] tables; this family needs 1 to 3", controller.stages.size()));
+  std::vector<SettingFamily> timed = families;
+  std::erase(timed, SettingFamily::taps);
+  if (times && controller.stages.size() > 1 && all_on_grids(timed))
+    top.tables("stage")[1].fail(
+        fmt::format("a second [[stage]], but family = \"{}\" is one filter with one length; "
+                    "allowed is one [[stage]]",
+                    to_string(timed.front())));
   if (!times && !controller.stages.empty()) top.fail("free taps have no [[stage]]; leave it out");
   if (controller.sources.empty()) top.fail("no [[source]]; nothing counts as a fact without one");
   return controller;
@@ -286,6 +295,7 @@ ControllerSettings settings_of(const Controller& controller, double period) {
   settings.dialect = controller.dialect, settings.from_file = true;
   settings.corner_feed_step = controller.corner_feed_step;
   settings.in_position_actual = controller.in_position_actual;
+  settings.in_position_by_axis = controller.in_position_by_axis;
   settings.in_position_latency = std::round(controller.in_position_latency / period) * period;
   for (const ControllerStage& stage : controller.stages) settings.stages.push_back(sampled(stage, period));
   return settings;

@@ -39,6 +39,7 @@ struct Controller {
   std::vector<std::string> delay_words;           ///< see ControllerSettings
   std::shared_ptr<const ControlDialect> dialect;  ///< null: not known
   bool in_position_actual = false;                ///< see ControllerSettings
+  bool in_position_by_axis = false;               ///< see ControllerSettings
   double in_position_latency = 0.0;               ///< s
   double corner_feed_step = 0.05;
   std::vector<std::string> unknown;  ///< what could not be found

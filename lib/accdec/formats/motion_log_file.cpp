@@ -195,8 +195,8 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
                                const std::string& log_name) {
   const FittedFilter& best = found.fits.front();
   std::string text = fmt::format("# found in {}: {}\n", log_name, in_words(best, period));
-  text += fmt::format("# {} samples of {} differ from it by {:.4g} um rms; free taps by {:.4g} um\n", log.samples(),
-                      fmt::join(log.axes, ", "), 1e6 * best.rms, 1e6 * found.taps.rms);
+  text += fmt::format("# where the filter acts, {} differ{} from it by {:.4g} um rms; free taps by {:.4g} um\n",
+                      fmt::join(log.axes, ", "), log.axes.size() == 1 ? "s" : "", 1e6 * best.rms, 1e6 * found.taps.rms);
   for (std::size_t i = 0; i < found.moves.size(); ++i) {
     double way = 0.0;
     for (const double w : found.moves[i].way) way = std::hypot(way, w);

@@ -55,6 +55,12 @@ std::vector<Key> about_delays() {
        .words = {"command", "actual"},
        .fallback = "command",
        .example = "\"actual\""},
+      {.name = "in_position_by",
+       .type = KeyType::word,
+       .meaning = "with \"in-position\": what must be within the width: the way along the path, or that of each axis",
+       .words = {"path", "axis"},
+       .fallback = "path",
+       .example = "\"axis\""},
       {.name = "in_position_latency_ms",
        .meaning = "with \"in-position\": time from entering the width to the start of the next block; a multiple of "
                   "the period",

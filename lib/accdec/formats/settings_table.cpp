@@ -76,14 +76,6 @@ void read_sets(const Table& table, double period, std::vector<SettableStage>& st
   }
 }
 
-/// Families that have a length and a real number alone: their only time is the first stage's.
-bool all_on_grids(const std::vector<SettingFamily>& families) {
-  return std::all_of(families.begin(), families.end(), [](SettingFamily family) {
-    return family == SettingFamily::exponential || family == SettingFamily::gaussian ||
-           family == SettingFamily::windowed_sinc;
-  });
-}
-
 void read_stages(const Table& table, double period, ControllerSettings& settings) {
   const std::size_t known = settings.stages.size();
   auto asked = static_cast<std::size_t>(table.required_integer("stages"));
@@ -239,10 +231,11 @@ void read_delays(const Table& table, ControllerSettings& settings) {
 /// How the control measures that it is in-position.
 void read_in_position(const Table& table, double period, ControllerSettings& settings) {
   const bool there = settings.names(DelayKind::in_position);
-  for (const std::string_view key : {"in_position_of", "in_position_latency_ms"}) {
+  for (const std::string_view key : {"in_position_of", "in_position_by", "in_position_latency_ms"}) {
     if (table.has(key) && !there) table.fail_at(key, fmt::format("`{}` goes with delays = [\"in-position\"]", key));
   }
   if (table.has("in_position_of")) settings.in_position_actual = table.word("in_position_of") == "actual";
+  if (table.has("in_position_by")) settings.in_position_by_axis = table.word("in_position_by") == "axis";
   if (const auto latency = table.number("in_position_latency_ms")) {
     settings.in_position_latency = *latency;
     const double samples = *latency / period;
@@ -288,6 +281,13 @@ SettingFamily family_of_key(std::string_view key) {
 }
 
 }  // namespace
+
+bool all_on_grids(const std::vector<SettingFamily>& families) {
+  return std::all_of(families.begin(), families.end(), [](SettingFamily family) {
+    return family == SettingFamily::exponential || family == SettingFamily::gaussian ||
+           family == SettingFamily::windowed_sinc;
+  });
+}
 
 std::vector<std::string> texts_once(const Table& table, std::string_view key) {
   std::vector<std::string> words = table.texts(key);

@@ -88,7 +88,9 @@ void write_settings(const Task& task, Json& design, Json& controller) {
   }
   for (const DelayKind kind : settings.delays) controller["delays"].push_back(to_string(kind));
   for (const std::string& word : settings.delay_words) controller["delay_words"].push_back(word);
+  const bool watches = settings.names(DelayKind::in_position);
   if (settings.in_position_actual) controller["in_position_of"] = "actual";
+  if (watches && settings.in_position_by_axis) controller["in_position_by"] = "axis";
   if (settings.in_position_latency > 0.0)
     controller["in_position_latency_ms"] = from_si({.unit = "ms"}, settings.in_position_latency);
   if (settings.names(DelayKind::corner_feed)) controller["corner_feed_step"] = settings.corner_feed_step;

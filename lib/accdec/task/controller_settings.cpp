@@ -48,6 +48,10 @@ std::string_view ControllerSettings::word_of(DelayKind kind) const {
   return at < delay_words.size() ? std::string_view(delay_words[at]) : std::string_view();
 }
 
+double watched_speed(const ControllerSettings& settings, const Corner& corner) {
+  return corner.feed_in * (settings.in_position_by_axis ? corner.direction_in.cwiseAbs().maxCoeff() : 1.0);
+}
+
 bool ControlDelays::names(DelayKind kind) const {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }

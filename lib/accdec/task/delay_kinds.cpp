@@ -128,8 +128,8 @@ class KindChoice {
     if (names(kinds_, DelayKind::exact_stop)) {
       // An exact stop waits for the command, whatever the servo still has to go.
       const int apart = least_.apart(), most = apart + exact_stop_more;
-      const auto may_stop = [&](int d) { return given.value_or(d) == d && held(d); };
-      if (const auto d = first_delay(apart, most, may_stop, late)) return {*d, DelayKind::exact_stop};
+      const auto d = first_delay(apart, most, held, late);
+      if (d && given.value_or(*d) == *d) return {*d, DelayKind::exact_stop};
     }
     return {};
   }

@@ -8,8 +8,9 @@
 
 namespace accdec {
 
-/// Samples that a limit may ask for at an exact stop, behind the least delay at which the legs do not overlap.
-inline constexpr int exact_stop_more = 2;
+/// Samples that a limit may ask for at an exact stop, behind the least delay at which the legs do not overlap. No word
+/// of a control makes its exact stop wait longer.
+inline constexpr int exact_stop_more = 1;
 
 /// Delays of one filter at every corner, of the kinds that a controller has.
 struct KindDelays {

@@ -22,6 +22,7 @@ class InPosition {
   /// @param behind  of the designed filter
   InPosition(const FilterBehind& behind, const Task& task)
       : behind_(behind),
+        settings_(*task.settings),
         actual_(task.settings->in_position_actual && !behind.ideal()),
         period_(task.sample_period),
         latency_(static_cast<int>(std::lround(task.settings->in_position_latency / period_))) {}
@@ -47,14 +48,16 @@ class InPosition {
   double way_at(const TaskCorner& corner, int samples) const {
     const Corner& g = corner.geometry();
     if (!actual_ || !behind_.differs())
-      return g.feed_in * period_ * (actual_ ? behind_.motion() : behind_.command()).remaining_moment(samples);
-    double squares = 0.0;
+      return watched_speed(settings_, g) * period_ *
+             (actual_ ? behind_.motion() : behind_.command()).remaining_moment(samples);
+    Eigen::VectorXd ways = g.direction_in;
     for (Eigen::Index a = 0; a < g.axes(); ++a)
-      squares += std::pow(g.direction_in[a] * behind_.motion(static_cast<std::size_t>(a)).remaining_moment(samples), 2);
-    return g.feed_in * period_ * std::sqrt(squares);
+      ways[a] *= behind_.motion(static_cast<std::size_t>(a)).remaining_moment(samples);
+    return g.feed_in * period_ * (settings_.in_position_by_axis ? ways.cwiseAbs().maxCoeff() : ways.norm());
   }
 
   const FilterBehind& behind_;
+  const ControllerSettings& settings_;
   bool actual_;
   double period_;
   int latency_;

@@ -278,7 +278,7 @@ struct CornerFeedPart {
 /// A control passes corners at parts of the feed, at feed, or by exact stops. Parts that are not listed are at least as
 /// fast as listed ones, and have filters at least as long.
 struct CornerFeeds {
-  double bound_samples = 0.0;  ///< of the objective
+  std::optional<double> bound_samples;  ///< of the objective; none: no filter has any way past the corners
   std::vector<CornerFeedPart> parts{};
   bool operator==(const CornerFeeds&) const = default;
 };

@@ -46,8 +46,9 @@ std::optional<SettingFamily> setting_family_from_string(std::string_view name);
 /// How a controller delays the second leg of a corner.
 enum class DelayKind {
   continuous,   ///< d = 0: the next block starts as the command of the last ends
-  exact_stop,   ///< the least d at which the legs do not overlap, one or two more where a limit asks for it
-  in_position,  ///< d = L + min{e >= 0: v1 T p(e) <= w}, with one width w for all corners; L, see ControllerSettings
+  exact_stop,   ///< the least d at which the legs do not overlap, one more where a limit asks for it
+  in_position,  ///< d = L + min{e >= 0: v1 T p(e) <= w}, with one width w for all corners; L, see ControllerSettings.
+                ///< By axis: v1 is that of the fastest axis of leg 1
   dwell,        ///< any d, by a dwell before the filter
   timed_axis,   ///< any d, by a timed move of an unused axis
   corner_feed   ///< d = 0 at a part of both feeds, at which the motion has settled
@@ -97,6 +98,7 @@ struct ControllerSettings {
   double shaper_frequency_step = 0.0;
   std::vector<DelayKind> delays{};   ///< empty: any number of samples
   bool in_position_actual = false;   ///< the remaining way is that of the motion behind the servo, not of the command
+  bool in_position_by_axis = false;  ///< every axis must be within the width, not the way along the path
   double in_position_latency = 0.0;  ///< s, a multiple of the period: from within the width until the next block starts
   double corner_feed_step = 0.05;    ///< DelayKind::corner_feed: the parts of the feed are multiples of it, below 1
   std::string controller{};          ///< its title, for people; may be empty
@@ -116,10 +118,14 @@ struct ControllerSettings {
   std::string_view word_of(DelayKind kind) const;
 };
 
+/// The speed, m/s, of the way that a control compares with its in-position width: along leg 1, or of its fastest axis.
+double watched_speed(const ControllerSettings& settings, const Corner& corner);
+
 /// The delays that a control has for the corners of a program.
 struct ControlDelays {
   std::vector<DelayKind> kinds{};  ///< empty: delays of any number of samples
   double width = 0.0;              ///< m, of all corners that are in-position; 0: none is
+  bool by_axis = false;            ///< see ControllerSettings::in_position_by_axis
 
   bool names(DelayKind kind) const;
   /// Whether any number of samples can be had.

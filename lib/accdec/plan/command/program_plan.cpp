@@ -5,9 +5,11 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/repair.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/curve_feeds.hpp>
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/task/blend_limits.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -98,11 +100,26 @@ void snap_durations(Toolpath& path, const Filter& filter, double sample_period, 
   });
 }
 
+namespace {
+
+/// Whether no stop lasts longer than the control's own: as long as the motion, and a sample more where a limit asks.
+bool stops_had(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+               const std::vector<int>& delays) {
+  const int motion = FilterBehind(filter, machine, sample_period).longest_order() - filter.order();
+  const int most = exact_stop_of(filter) + motion + exact_stop_more;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] == Joint::stop && delays[b] > most) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 void settle_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                    ProgramPlan& plan) {
   if (path.control.any()) return;
   CommandDelays found = command_delays(path, filter, sample_period, plan.delays);
-  plan.delays_had = found.wrong.empty();
+  plan.delays_had = found.wrong.empty() && stops_had(path, filter, sample_period, machine, found.delays);
   if (!plan.delays_had || found.delays == plan.delays) return;
   ProgramPlan settled = check_program(path, filter, sample_period, machine, std::move(found.delays));
   settled.slowed = plan.slowed;

@@ -86,7 +86,7 @@ class DelaySink {
   /// m, from the filtered command to the joint after a rest of d samples.
   double way_left(std::size_t b, int d) const {
     const double* joint = path_.point(b + 1);
-    double square = 0.0;
+    double square = 0.0, longest = 0.0;  // along the path, and of one axis
     for (std::size_t a = 0; a < path_.dimensions(); ++a) {
       double way = 0.0;
       for (int i = d + 1; i <= filter_.order(); ++i) {
@@ -95,8 +95,9 @@ class DelaySink {
         way += filter_.tap(i) * (joint[a] - at[a]);
       }
       square += way * way;
+      longest = std::max(longest, std::abs(way));
     }
-    return std::sqrt(square);
+    return path_.control.by_axis ? longest : std::sqrt(square);
   }
 
   const Toolpath& path_;

@@ -7,6 +7,7 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/simulate/command_stream.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 
@@ -91,11 +92,13 @@ int JointDelays::within_contour(int delay) const {
 }
 
 int JointDelays::of_control(int delay) {
+  const double step = watched_part(path_.control, in_.data(), path_.dimensions(), speed_in_) * speed_in_ * period_;
   for (;;) {
     delay = within_limits(delay);
-    const int given = control_delay(path_.control, filter_, speed_in_ * period_, delay).value_or(delay);
-    if (given == delay) return delay;
-    delay = given;
+    const auto given = control_delay(path_.control, filter_, step, delay);
+    if (!given && path_.control.names(DelayKind::exact_stop)) possible_ = false;
+    if (given.value_or(delay) == delay) return delay;
+    delay = *given;
   }
 }
 
@@ -109,7 +112,9 @@ int JointDelays::stop(std::size_t b) {
   // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
   const int least =
       !behind_.ideal() && path_.tolerance[b] < unlimited ? std::max(exact_stop(), within_tolerance(b)) : exact_stop();
-  const std::int64_t rest = known(least, true, [&] { return within_limits(least, true); }) - dwell_samples(b);
+  const int held = known(least, true, [&] { return within_limits(least, true); });
+  const std::int64_t rest = held - dwell_samples(b);
+  if (!path_.control.any() && rest > least + exact_stop_more) possible_ = false;
   return static_cast<int>(std::max<std::int64_t>(exact_stop(), rest));
 }
 

@@ -25,7 +25,8 @@ class JointDelays {
   /// The delay of a smooth or straight joint.
   int smooth(std::size_t b);
 
-  /// Whether no joint so far breaks a limit even where its legs do not overlap.
+  /// Whether no joint so far breaks a limit even where its legs do not overlap, or asks its control for an exact stop
+  /// that lasts longer than the control's.
   bool limits_possible() const { return possible_; }
   /// The same since the last call of this.
   bool take_possible() { return std::exchange(possible_, true); }

@@ -17,7 +17,7 @@ enum class DelayRule {
 
 struct PairwiseDelays {
   std::vector<int> delays;              ///< samples, one a block; 0 for the last
-  bool limits_possible = true;          ///< false if some joint breaks an axis limit even where its legs do not overlap
+  bool limits_possible = true;          ///< see JointDelays::limits_possible
   std::vector<std::size_t> impossible;  ///< these joints, ascending
 };
 

@@ -8,7 +8,7 @@
 namespace accdec {
 
 ControlDelays control_of(const ControllerSettings& settings, double width) {
-  ControlDelays control{settings.delays, width};
+  ControlDelays control{settings.delays, width, settings.in_position_by_axis};
   if (control.names(DelayKind::corner_feed) && !control.names(DelayKind::continuous))
     control.kinds.push_back(DelayKind::continuous);
   return control;
@@ -46,6 +46,13 @@ std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b) {
   const std::size_t rapid = path.rapid[b] != 0 ? 0 : 1;
   feeds[rapid] = std::min(feeds[0], feeds[1]);
   return feeds;
+}
+
+double watched_part(const ControlDelays& control, const double* velocity, std::size_t axes, double speed) {
+  if (!control.by_axis) return 1.0;
+  double fastest = 0.0;
+  for (std::size_t a = 0; a < axes; ++a) fastest = std::max(fastest, std::abs(velocity[a]));
+  return fastest / speed;
 }
 
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {

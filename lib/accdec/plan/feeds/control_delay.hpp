@@ -40,9 +40,12 @@ inline int exact_stop_of(const Filter& filter) {
   return std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());
 }
 
+/// The part of a leg's speed that a control compares with its in-position width: all, or that of the fastest axis.
+double watched_part(const ControlDelays& control, const double* velocity, std::size_t axes, double speed);
+
 /// The shortest delay of at least `least` samples that a control can give a corner that is reached at a constant feed.
 /// None if it has none as long.
-/// @param step  v1 T, m
+/// @param step  v1 T, m; of the fastest axis where the control watches each axis, see watched_part
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least);
 
 }  // namespace accdec

@@ -156,10 +156,11 @@ CornerFeed FeedCaps::fastest_corner(std::size_t b, double tolerance) const {
   const bool stops = path_.joint[b] == Joint::stop;
   // Behind a servo the motion goes on while the command rests: it may need longer than that to stay within a tolerance.
   const int rest = exact_stop_of(filter_), longest = finder_.exact_stop_delay();
+  const double watched = watched_part(path_.control, u, n, 1.0);
   const auto within = [&](double v) { return finder_(cosine, v * period_, v * period_, tolerance); };
   const auto delay_at = [&](double v) {
     if (stops) return std::max(rest, within(v));
-    return control_delay(path_.control, filter_, v * period_, within(v)).value_or(longest);
+    return control_delay(path_.control, filter_, watched * v * period_, within(v)).value_or(longest);
   };
   const double alone = std::max(slowest * feed_max, largest(b, feed_max, true, false));
   const int apart = std::max(rest, within(alone));

@@ -26,6 +26,14 @@ double length_of(const Toolpath& path, std::size_t b) {
   return length;
 }
 
+/// m, of a full-speed sample of a block: the way that the control watches.
+double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis) {
+  double longest = 0.0;
+  for (std::size_t a = 0; a < path.dimensions(); ++a)
+    longest = std::max(longest, std::abs(path.point(b + 1)[a] - path.point(b)[a]));
+  return (by_axis ? longest : length_of(path, b)) / path.duration[b] * period;
+}
+
 /// A program at its feeds, every corner with the delay that it needs by itself.
 class PairwiseTimes {
  public:
@@ -40,7 +48,7 @@ class PairwiseTimes {
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
       const bool passed = !ends_leg(path, b) && delays.delays[b] == 0;
       if (passed || path.joint[b] == Joint::stop) continue;
-      joints_.push_back({length_of(path, b) / path.duration[b] * period, delays.delays[b]});
+      joints_.push_back({step_of(path, b, period, false), step_of(path, b, period, true), delays.delays[b]});
     }
   }
 
@@ -49,7 +57,8 @@ class PairwiseTimes {
   double with(const ControlDelays& control) const {
     double samples = any_;
     for (const Held& joint : joints_) {
-      const auto delay = control_delay(control, filter_, joint.step, joint.delay);
+      const double step = control.by_axis ? joint.step_of_axis : joint.step;
+      const auto delay = control_delay(control, filter_, step, joint.delay);
       if (!delay) return unlimited;
       samples += *delay - joint.delay;
     }
@@ -58,7 +67,7 @@ class PairwiseTimes {
 
  private:
   struct Held {
-    double step;  // m, of the leg that ends there
+    double step, step_of_axis;  // m, of the leg that ends there, and of its fastest axis
     int delay;
   };
   const Filter& filter_;
@@ -80,7 +89,8 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     time += path.duration[b];
     if (path.joint[b] == Joint::stop && b + 1 < path.blocks()) ++stops_;
     if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
-    step_ = std::max(step_, length_of(path, b) / path.duration[b] * task.sample_period);
+    const bool by_axis = task.settings && task.settings->in_position_by_axis;
+    step_ = std::max(step_, step_of(path, b, task.sample_period, by_axis));
   }
   moving_ = std::floor(time * (1.0 - snapped_part) / task.sample_period);
 }

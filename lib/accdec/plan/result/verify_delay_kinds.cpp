@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/result/verify_delay_kinds.hpp>
 #include <accdec/simulate/simulate.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 namespace {
@@ -16,6 +18,17 @@ double feed_of(const Toolpath& path, std::size_t b) {
   for (std::size_t a = 0; a < path.dimensions(); ++a)
     square += std::pow((path.point(b + 1)[a] - path.point(b)[a]) / path.duration[b], 2);
   return std::sqrt(square);
+}
+
+constexpr double snapped = 1e-5;  // runs are shortened to whole samples by less
+
+/// Whether the feed steps down before the joint inside its block, or up behind it.
+bool steps_beside(const Toolpath& path, std::size_t b) {
+  const auto step = [&](std::size_t from, std::size_t fast, std::size_t slow) {
+    return path.line[from] == path.line[from + 1] && path.joint[from] == Joint::straight &&
+           path.inside_arc[from] == 0 && feed_of(path, fast) > feed_of(path, slow) * (1.0 + snapped);
+  };
+  return (b > 0 && step(b - 1, b - 1, b)) || (b + 2 < path.blocks() && step(b + 1, b + 2, b + 1));
 }
 
 class DelayKindsCheck {
@@ -39,6 +52,7 @@ class DelayKindsCheck {
       if (passed && chosen.delays[b] != DelayKind::continuous)
         wrong(fmt::format("line {}: settings.delays names {} where the control runs on", path_.line[b],
                           to_string(chosen.delays[b])));
+      if (path_.joint[b] == Joint::stop) check_stop(b);
       if (passed || path_.joint[b] == Joint::stop) continue;
       check_kind(motion, b, chosen.delays[b]);
       in_position = in_position || chosen.delays[b] == DelayKind::in_position;
@@ -52,15 +66,27 @@ class DelayKindsCheck {
     if (reasons_.size() < most_reasons) reasons_.push_back(std::move(reason));
   }
 
+  /// A stop waits until the motion behind the control's smoothing has ended, and a sample more where a limit asks.
+  void check_stop(std::size_t b) {
+    if (task_.settings->any_delay()) return;
+    const int most = apart() + Response(task_.machine, task_.sample_period).order() + exact_stop_more;
+    if (command_.delays[b] > most)
+      wrong(fmt::format("line {}: the control's exact stop waits {} samples at most, not {}", path_.line[b], most,
+                        command_.delays[b]));
+  }
+  int apart() const { return filter_.last_nonzero_tap() - filter_.first_nonzero_tap(); }
+
   void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
     const auto allowed = control_of(*task_.settings, 0.0).kinds;
     const int delay = command_.delays[b];
-    const int apart = filter_.last_nonzero_tap() - filter_.first_nonzero_tap();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
       wrong(fmt::format("line {}: the control has no delay of kind {}", path_.line[b], to_string(kind)));
     if ((kind == DelayKind::continuous && delay != 0) ||
-        (kind == DelayKind::exact_stop && (delay < apart || delay > apart + 2)))
+        (kind == DelayKind::exact_stop && (delay < apart() || delay > apart() + exact_stop_more)))
       wrong(fmt::format("line {}: a delay of {} samples is not {}", path_.line[b], delay, to_string(kind)));
+    const bool slows = task_.settings->names(DelayKind::corner_feed);
+    if (kind == DelayKind::continuous && slows && steps_beside(path_, b))
+      wrong(fmt::format("line {}: a corner at a lower feed is a corner-feed, not continuous", path_.line[b]));
     if (kind == DelayKind::corner_feed && (delay != 0 || !lowered(b)))
       wrong(fmt::format("line {}: no lower feed passes this corner without a delay", path_.line[b]));
     if (kind != DelayKind::in_position || !result_.settings->chosen.width) return;
@@ -84,14 +110,17 @@ class DelayKindsCheck {
     return false;
   }
 
-  /// m, of the motion from the end of block b, d samples after the command has reached it.
+  /// m, of the motion from the end of block b, d samples after the command has reached it: along the path, or of the
+  /// axis that is farthest from it.
   double distance(const DirectMotion& motion, std::size_t b, int d) const {
     // An order later the motion has come to rest.
     const auto k = static_cast<std::size_t>(motion.windows[b].first + std::min(d, filter_.order() + 1));
-    double square = 0.0;
-    for (std::size_t a = 0; a < path_.dimensions(); ++a)
-      square += std::pow(motion.position[a][k] - path_.point(b + 1)[a], 2);
-    return std::sqrt(square);
+    double square = 0.0, farthest = 0.0;
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+      const double way = motion.position[a][k] - path_.point(b + 1)[a];
+      square += way * way, farthest = std::max(farthest, std::abs(way));
+    }
+    return task_.settings->in_position_by_axis ? farthest : std::sqrt(square);
   }
 
   const ProgramResult& result_;
@@ -117,12 +146,16 @@ void check_corner_feeds(const ProgramResult& result, const Task& task, const Too
   for (std::size_t b = 0; b + 1 < programmed.blocks(); ++b) {
     if (programmed.joint[b] == Joint::corner) corners.push_back(b);
   }
-  constexpr double snapped = 1e-5;  // runs are shortened to whole samples by less
+  const auto slowed = [&](std::size_t b) {
+    const DelayKind kind = result.settings->chosen.delays[b];
+    return kind == DelayKind::corner_feed ||
+           (kind == DelayKind::continuous && task.settings->names(DelayKind::corner_feed) && steps_beside(path, b));
+  };
   std::size_t seen = 0;
   for (std::size_t b = 0; b + 1 < path.blocks() && seen < corners.size(); ++b) {
     if (path.joint[b] != Joint::corner) continue;
     const std::size_t corner = corners[seen++];
-    if (result.settings->chosen.delays[b] != DelayKind::corner_feed) continue;
+    if (!slowed(b)) continue;
     double before = feed_of(programmed, corner), behind = feed_of(programmed, corner + 1);
     // A rapid move is slowed to the feed move beside it.
     if (programmed.rapid[corner] != 0 && programmed.rapid[corner + 1] == 0) before = std::min(before, behind);

@@ -1,0 +1,37 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/certificate.hpp>
+#include <accdec/design.hpp>
+#include <accdec/result.hpp>
+#include <accdec/task.hpp>
+#include <accdec/verify.hpp>
+
+// Refusals of tasks whose control has no setting that holds all limits.
+
+namespace accdec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// 100 mm/s at a right angle. An average of L ms takes 100/L m/s^2: 6 m/s^2 need 16.7. Without a delay it errs by
+/// 70.7 um times the mean absolute deviation of its taps, (L^2 - 1)/(4 L) for an odd L: 200 um allow 11. With 14 the
+/// nearest sample has (1 + .. + 7)/14 = 2 samples to go and (1 + .. + 6)/14 = 1.5 behind it. These 250 um are 125 % of
+/// the bound, and the acceleration is 119 %. With 13 the acceleration is 128 %, with 15 the error 132 %.
+/// Averages of 17 err by 141.4/17 um times the sum of max(i - 8 - d/2, 0): 203 um with d = 3, 174.7 um with d = 4.
+TEST(SettingsRefused, NameTheSettingThatIsClosestWithTheDelaysOfTheControl) {
+  const DesignResult result =
+      design_task(parse_task("sample_period_ms = 1\n[design]\nfamily = \"averages\"\nstages = 1\n[controller]\ndelays "
+                             "= \"continuous\"\n[[axis]]\n"
+                             "acceleration_max_mm_s2 = 6000\n[[corner]]\nname = \"A\"\nangle_deg = 90\nfeed_in_mm_min "
+                             "= 6000\nerror_max_um = 200\n",
+                             "task"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("the closest, one average of 14 ms, breaks corner error: 125.0 %"));
+  EXPECT_THAT(result.message, HasSubstr("one average of 17 ms, and a delay of 4 ms"));
+  EXPECT_THAT(verify_result(result).reasons, IsEmpty());
+}
+
+}  // namespace
+}  // namespace accdec
