@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
+#include <accdec/plan/along/straight_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
@@ -89,10 +90,24 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const ProgramResult* fi
   return {profiles, sampled(path, *profiles.plan.trajectory(), profiles.sample_period)};
 }
 
+/// The motion with each straight leg between stops by itself, if the check takes it.
+AlongPlan with_fastest_legs(AlongPlan begun, const ProgramResult& profiles, const FreePath& tube,
+                            const std::function<void(const std::string&)>& tell) {
+  FreeSamples samples = with_straight_runs(tube, begun.samples);
+  if (!(samples.position.size() < begun.samples.position.size())) return begun;
+  ProgramResult result = with_samples(profiles, samples);
+  const std::string broken = judge_free_motion(result, tube.machine);
+  if (!broken.empty() && tell) tell("legs by themselves were refused by the check of their samples: " + broken);
+  if (!broken.empty() || !(result.cycle_time < begun.result.cycle_time)) return begun;
+  result.solver.method = "legs from stop to stop by closed form";
+  return {std::move(result), std::move(samples)};
+}
+
 /// The beginning with its samples shortened; the beginning itself where nothing is gained.
 ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine,
                         const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
+  begun = with_fastest_legs(std::move(begun), profiles, tube, tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   if (report.ended && tell) tell("ended early with the best motion so far");
   ProgramResult result = with_samples(profiles, begun.samples);
