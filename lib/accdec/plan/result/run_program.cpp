@@ -21,6 +21,7 @@
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/result/cool_drives.hpp>
 #include <accdec/plan/result/other_rules.hpp>
+#include <accdec/plan/result/refused_keys.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/simulate.hpp>
@@ -354,16 +355,8 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 }
 
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
-  require_no_response(task.machine, "plan profiles");
-  require_no_shared_loads(task.machine, "plan profiles");
-  if (path.contour_max < unlimited)
-    throw std::invalid_argument("plan profiles does not consider [program] contour_max_um; --plan fixed does");
+  require_positions(task, path, "plan profiles");
   const auto start = std::chrono::steady_clock::now();
-  if (task.settings && (task.settings->names_family() || limits_taps(*task.settings))) {
-    throw std::invalid_argument(
-        "plans profiles and free give every sample a position, and the task's control has one filter for the whole "
-        "program ([design] family, [controller] delays, or the controller's); use --plan fixed, or leave it out");
-  }
   if (!path.given_delays.empty()) {
     throw std::invalid_argument(
         "plan profiles takes no delays from the program: it has no one filter that they "
