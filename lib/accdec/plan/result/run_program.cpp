@@ -82,6 +82,11 @@ class Planning {
     if (path.blocks() <= several_plans_max || !path.given_delays.empty()) as_commanded(path, true);
     ScheduledPlan plan =
         schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_);
+    if (deadline_.over() && !all_holds(plan.plan)) {
+      plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max,
+                            Deadline(seconds_for_one_plan(path)), feed_step_);
+    }
+    chosen_ = all_holds(plan.plan);
     snap(plan);
     if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
@@ -115,7 +120,7 @@ class Planning {
   }
   /// If no plan holds, or the time ended before a good one was found: a slow one that stops at every joint.
   void stop(const Toolpath& path, bool feeds_chosen) {
-    const bool ended = deadline_.over() && path.blocks() <= several_plans_max;
+    const bool ended = deadline_.over() && path.blocks() <= several_plans_max && !chosen_;
     // Steps of the feed inside the blocks save most of the time, if they are found quickly.
     if (feeds_chosen && (ended || !all_holds(best_.plan))) {
       auto steps = schedule_stops(path, filter_, task_.sample_period, machine_, Deadline(stepping_time));
@@ -277,6 +282,7 @@ class Planning {
   ScheduledPlan best_;
   Toolpath base_;               // planned at the programmed feeds
   std::optional<double> kept_;  // s, of that plan, which need not hold
+  bool chosen_ = false;         // a plan of chosen feeds was found
   bool delays_had_ = true;
   std::vector<int> alone_;
 };
