@@ -15,6 +15,7 @@
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/controller_file.hpp>
+#include <accdec/formats/key_place.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
@@ -250,7 +251,12 @@ void run(ProgramArguments& options, Context& context) {
   });
   const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
   const std::vector<ControlEstimate> estimates = estimates_of(options, file.path, task);
-  std::optional<ProgramResult> planned = plan_with(options, context, file, task);
+  std::optional<ProgramResult> planned;
+  try {
+    planned = plan_with(options, context, file, task);
+  } catch (const RefusedKey& refused) {
+    throw error_at_key(options.task, refused);
+  }
   if (!planned) {
     for (const ControlEstimate& estimate : estimates) std::fputs(estimate_text(estimate, 0.0).c_str(), stdout);
     return;

@@ -1,8 +1,10 @@
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -79,6 +81,34 @@ TEST_F(FreeCommand, RefusesWhatBelongsToOneFilter) {
   for (const char* option : {"--emit x.ngc", "--delays x.csv", "--feeds keep"}) {
     EXPECT_EQ(run(std::string("program program.ngc --task task.toml --plan free ") + option), 2) << option;
     EXPECT_THAT(read("err"), HasSubstr("fixed"));
+  }
+}
+
+TEST_F(FreeCommand, RefusesKeysWhereTheyStand) {
+  const std::string axis = "[[axis]]\nvelocity_max_mm_s = 200\n", fast = axis + "acceleration_max_mm_s2 = 1000\n";
+  const std::string drive = fast + "mass_kg = 10\nforce_max_N = 90\n";
+  // The task, the line and column of the key, what it is, and what is allowed.
+  const std::vector<std::array<std::string, 4>> all{
+      {drive + "power_max_W = 20\n", "7:1", "keeps no limit of power: `power_max_W`", "use --plan profiles or fixed"},
+      {drive + "regeneration_max_W = 9\n", "7:1", "keeps no limit of regeneration: `regeneration_max_W`",
+       "use --plan profiles or fixed"},
+      {fast + "[[mode]]\nfrequency_Hz = 30\n  residual_max = 0.1\n", "7:3",
+       "keeps no vibration bound: `residual_max` of [[mode]]", "use --plan profiles or fixed"},
+      {fast + "[program]\ncontour_max_um = 9\n", "6:1", "does not consider `contour_max_um` of [program]",
+       "use --plan fixed"},
+      {fast + "servo_gain_1_s = 100\n", "5:1", "does not consider the servo of an axis", "leave it out"},
+      {fast + "[controller]\nprefilter_taps = [0.5, 0.5]\n", "6:1", "does not consider the control's prefilter_taps",
+       "leave it out"},
+      {fast + "[design]\nfamily = [\"averages\"]\n", "6:1", "the task's control has one filter", "use --plan fixed"},
+      {fast + "[controller]\nname = \"sinumerik-840d\"\n", "5:2", "the task's control has one filter",
+       "use --plan fixed"},
+      {axis, "2:3", "needs a limit of acceleration", "give one"}};
+  for (const auto& [text, place, what, allowed] : all) {
+    write("key.toml", "sample_period_ms = 1.0\n" + text);
+    EXPECT_EQ(run("program program.ngc --task key.toml --plan free"), 2) << text;
+    EXPECT_THAT(read("err"), HasSubstr("key.toml:" + place + ": plan free ")) << text;
+    EXPECT_THAT(read("err"), HasSubstr(what)) << text;
+    EXPECT_THAT(read("err"), HasSubstr(allowed)) << text;
   }
 }
 

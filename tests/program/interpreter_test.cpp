@@ -180,7 +180,7 @@ TEST_F(Interpreter, RefusalsAreInTheWordsOfTheProgram) {
   refused("M98 P100\n", "EOF in file:part.ngc");
   refused("G38.2 Z-5\n", "part.ngc:3:1: G38.2 to G38.5 end where the probe touches");
   refused("G17.1\nG1 X1\n", "part.ngc:3:1: G17.1, G18.1 and G19.1");
-  refused("G5 X#1 Y2 I1 J1 P1 Q1\n", "part.ngc:3:1: rs274 prints G5 to G5.3");
+  refused("G[4+1] X#1 Y2 I1 J1 P1 Q1\n", "part.ngc:3:1: rs274 prints G5 to G5.3");
 }
 
 TEST_F(Interpreter, OneLengthForEveryToolLeavesNoneToTheProgram) {

@@ -52,12 +52,9 @@ INSTANTIATE_TEST_SUITE_P(All, EveryLinuxcncProgram,
                                          "gmoccapy_2_tools_with_cutter_radius_compensation", "hole-circle",
                                          "lathe_g70_71_demo", "lathe_g7x_face_boring", "lathe_g7x_quadrants",
                                          "lathe_pawn", "lathecomp", "plasmatest", "polar", "skeleton", "spiral",
-                                         "toplevel", "tort", "useful-subroutines"));
+                                         "systems", "toplevel", "tort", "useful-subroutines"));
 
-TEST_F(LinuxcncPrograms, SplinesBehindParametersAndSpindleMovesAreRefusedByLine) {
-  EXPECT_EQ(run("program " + folder + "systems.ngc --task task.toml").code, 2);
-  EXPECT_THAT(read("err"),
-              HasSubstr("systems.ngc:15:1: rs274 prints G5 to G5.3 (NURBS_FEED) without their control points"));
+TEST_F(LinuxcncPrograms, SpindleMovesAreRefusedByLine) {
   const std::string table = " --task task.toml --tool-table mount.tbl --tool-table-inch";
   EXPECT_EQ(run("program " + folder + "mmount.ngc" + table).code, 2);
   EXPECT_THAT(read("err"), HasSubstr("mmount.ngc:314:1: G33, G76 or G95 moves with the spindle"));

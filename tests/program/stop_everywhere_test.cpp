@@ -1,3 +1,4 @@
+#include <cmath>
 #include <random>
 
 #include <fmt/format.h>
@@ -82,7 +83,7 @@ TEST(StopEverywhere, StepsOfTheFeedInsideBlocksSaveMostOfTheTime) {
   EXPECT_FALSE(schedule_stops(path, filter, test::period, machine, Deadline(-1.0)));
 }
 
-// 3000 moves within a moment: a slow plan that holds, not one that breaks a limit.
+// 1000 moves within a moment: a plan that holds, not one that breaks a limit. So many have a record that is checked.
 TEST_F(ProgramCommand, AShortTimeLimitGivesASlowPlan) {
   write("jerk.toml",
         "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
@@ -90,7 +91,7 @@ TEST_F(ProgramCommand, AShortTimeLimitGivesASlowPlan) {
   std::mt19937 random(24);
   std::uniform_real_distribution<double> place(0.0, 50.0);
   std::string text = "G21 G90 F6000 G64 P0.01\n";
-  for (int i = 0; i < 3000; ++i) text += fmt::format("G1 X{:.3f} Y{:.3f}\n", place(random), place(random));
+  for (int i = 0; i < 1000; ++i) text += fmt::format("G1 X{:.3f} Y{:.3f}\n", place(random), place(random));
   write("part.ngc", text + "M2\n");
   for (const char* feeds : {"choose", "keep"}) {
     const auto done =
@@ -100,6 +101,22 @@ TEST_F(ProgramCommand, AShortTimeLimitGivesASlowPlan) {
     const auto verified = run("verify r.json");
     EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
   }
+}
+
+// Chords of at least 0.3 mm. With a stop at each they take 4 (L/(2 j))^(1/3), 58 ms, and not the 3 ms of their feed.
+// The time limit leaves time for one plan, which runs through them.
+TEST_F(ProgramCommand, AShortTimeLimitLeavesTimeForOnePlan) {
+  write("jerk.toml",
+        "sample_period_ms = 1\n[[axis]]\nvelocity_max_mm_s = 200\nacceleration_max_mm_s2 = 1000\n"
+        "jerk_max_mm_s3 = 50000\n[program]\nerror_max_um = 20\n");
+  std::string text = "G21 G90 F6000 G64 P0.05\n";
+  constexpr int chords = 3000;
+  for (int i = 1; i <= chords; ++i) text += fmt::format("G1 X{:.4f} Y{:.4f}\n", 0.3 * i, 2.0 * std::sin(0.1 * i));
+  write("part.ngc", text + "M2\n");
+  ASSERT_EQ(run("program part.ngc --task jerk.toml --time-limit 0.02 --json r.json").code, 0) << read("err");
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out") << read("err");
+  const double stops = chords * 4.0 * std::cbrt(0.3e-3 / (2.0 * 50.0));
+  EXPECT_LT(number_of("r.json", "cycle_time_s"), 0.25 * stops);
 }
 
 }  // namespace

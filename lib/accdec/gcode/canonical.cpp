@@ -12,6 +12,7 @@
 #include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/move_state.hpp>
 #include <accdec/gcode/number.hpp>
+#include <accdec/gcode/printed_splines.hpp>
 #include <accdec/gcode/read_formats.hpp>
 #include <accdec/simulate.hpp>
 
@@ -27,7 +28,11 @@ constexpr const char* allowed_calls =
 class CanonicalReader {
  public:
   CanonicalReader(LineSource& source, const ReadOptions& options, MoveSink& sink)
-      : source_(source), state_(source, sink, options.arc_tolerance), numbered_(options.numbered), position_(state_) {}
+      : source_(source),
+        state_(source, sink, options.arc_tolerance),
+        numbered_(options.numbered),
+        position_(state_),
+        splines_(source, state_, position_) {}
 
   void run() {
     while (source_.next(line_)) {
@@ -38,8 +43,11 @@ class CanonicalReader {
         source_.stands_for(call_.program_line);
         started_ = true;
       }
+      // Its message comes at once.
+      if (call_.name != "MESSAGE") splines_.leave();
       if (!execute()) return;
     }
+    splines_.leave();
   }
 
  private:
@@ -76,9 +84,12 @@ class CanonicalReader {
   CanonicalCall call_;
   bool numbered_, started_ = false;  // started: a line of the program has been seen
   CanonicalPosition position_;
-  double printed_tolerance_ = 0.0;  // of the last G64, as printed, in the unit that was in force then
-  std::int64_t exact_line_ = 0;     // of the last exact mode
-  bool restored_ = false;           // the last G64 is a cycle's, which restores that before it
+  PrintedSplines splines_;
+  struct {
+    double printed_tolerance = 0.0;  // of the last G64, as printed, in the unit that was in force then
+    std::int64_t exact_line = 0;     // of the last exact mode
+    bool restored = false;           // the last G64 is a cycle's, which restores that before it
+  } blend_;
   struct {
     std::array<double, 10> value{};
     std::size_t count = 0;
@@ -144,8 +155,9 @@ bool CanonicalReader::execute() {
   } else if (name == "SET_NAIVECAM_TOLERANCE") {
     numbers(1, 1);
     // Q of the G64 before it, or its P, with four decimals. Behind a cycle the Q in force stays, as P does.
-    if (!restored_)
-      state_.merge = std::abs(numbers_.value[0] - printed_tolerance_) < 6e-5 ? -1.0 : numbers_.value[0] * state_.unit;
+    if (!blend_.restored)
+      state_.merge =
+          std::abs(numbers_.value[0] - blend_.printed_tolerance) < 6e-5 ? -1.0 : numbers_.value[0] * state_.unit;
   } else if (name == "DWELL") {
     numbers(1, 1);
     if (numbers_.value[0] < 0.0) source_.fail(call_.arguments + 1, "a dwell cannot be negative");
@@ -168,7 +180,7 @@ void CanonicalReader::other_call() {
   switch (call_kind(name)) {
     case CallKind::text:
       // A quoted text may hold anything but the two characters that end it.
-      text(line_.substr(call_.arguments).starts_with('"') ? "\")" : ")");
+      splines_.message(text(line_.substr(call_.arguments).starts_with('"') ? "\")" : ")"));
       break;
     case CallKind::passed_over: pass_call(); break;
     case CallKind::followed:
@@ -180,12 +192,7 @@ void CanonicalReader::other_call() {
       }
       break;
     case CallKind::unsupported:
-      if (name.starts_with("NURBS")) {
-        source_.fail(call_.column + 1,
-                     "rs274 prints G5 to G5.3 (" + std::string(name) +
-                         ") without their control points: give the program itself, whose splines are read where it "
-                         "has no parameters, expressions and O words");
-      }
+      if (name.starts_with("NURBS")) return splines_.feed(call_.column + 1);
       if (name.starts_with("START_SPEED_FEED_SYNC") || name == "RIGID_TAP") {
         source_.fail(call_.column + 1, std::string(name == "RIGID_TAP" ? "G33.1" : "G33, G76 or G95") +
                                            " moves with the spindle: such moves cannot be planned by time");
@@ -321,23 +328,23 @@ void CanonicalReader::control() {
   else
     bad_word("CANON_EXACT_STOP, CANON_EXACT_PATH, CANON_CONTINUOUS");
   if (state_.control != PathControl::blend) {
-    exact_line_ = call_.program_line;
+    blend_.exact_line = call_.program_line;
     return;
   }
-  restored_ = false;
+  blend_.restored = false;
   const double before = std::exchange(state_.tolerance, -1.0);
-  const double printed = std::exchange(printed_tolerance_, 0.0);
+  const double printed = std::exchange(blend_.printed_tolerance, 0.0);
   if (comma == std::string_view::npos) return;
   call_.arguments += comma + 1;
   numbers(1, 1);
-  printed_tolerance_ = numbers_.value[0];
+  blend_.printed_tolerance = numbers_.value[0];
   if (numbers_.value[0] <= 0.0) return;  // 0 stands for G64 without P
   state_.tolerance = numbers_.value[0] * state_.unit;
   // A cycle makes the path exact in its own line. At its end rs274 prints the number of G64 P once more, in the unit
   // that was in force then. Calls without line numbers may come from another G64 P with that number: the smaller holds.
   if (numbers_.value[0] != printed || before <= 0.0) return;
-  restored_ = call_.program_line > 0 ? call_.program_line == exact_line_ : before < state_.tolerance;
-  if (restored_) state_.tolerance = before;
+  blend_.restored = call_.program_line > 0 ? call_.program_line == blend_.exact_line : before < state_.tolerance;
+  if (blend_.restored) state_.tolerance = before;
 }
 
 }  // namespace

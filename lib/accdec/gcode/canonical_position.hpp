@@ -27,6 +27,11 @@ class CanonicalPosition {
 
   const ProgramPoint& here() const { return here_; }  ///< in the program's frame
   void go(const ProgramPoint& to) { here_ = to; }
+  /// To a point in X and Y that no call printed, with more decimals than those of the next one.
+  void go_unprinted(const ProgramPoint& to) {
+    here_ = to;
+    printed_[0] = printed_[1] = std::nullopt;
+  }
   const ProgramFrame& frame() const { return frame_; }
   /// The machine stays where it is; the program's coordinates of it change.
   void set_frame(const ProgramFrame& frame);

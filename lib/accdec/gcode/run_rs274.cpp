@@ -20,6 +20,7 @@
 #include <accdec/gcode/dialects.hpp>
 #include <accdec/gcode/modal_groups.hpp>
 #include <accdec/gcode/number.hpp>
+#include <accdec/gcode/printed_splines.hpp>
 #include <accdec/gcode/run_rs274.hpp>
 #include <accdec/gcode/tool_parameters.hpp>
 #include <accdec/simulate.hpp>
@@ -242,6 +243,16 @@ void refuse_set_tools(const std::string& program, std::string_view calls, const 
   }
 }
 
+/// A line of rs274's copy, with others around it if it is a spline and they are not too long.
+std::string numbered_line(std::string_view line, const std::string& words, const std::string& number, bool& open) {
+  const std::vector<std::string> lines = lines_with_spline(words, line, number, open);
+  const auto fits = [](const std::string& one) { return one.size() <= interpreter_line_max; };
+  if (lines.empty() || !std::ranges::all_of(lines, fits)) return number + std::string(line);
+  std::string all = lines.front();
+  for (std::size_t i = 1; i < lines.size(); ++i) all += '\n' + lines[i];
+  return all;
+}
+
 }  // namespace
 
 std::string no_tool_length(const std::string& program, std::int64_t line) {
@@ -255,17 +266,19 @@ std::string numbered_lines(std::string_view text) {
   std::string out;
   out.reserve(text.size() + text.size() / 2);
   std::int64_t number = 0;
+  bool open = false;
   for (const std::string_view line : lines_of(text)) {
     ++number;
     const std::string_view rest = without_number(line);
+    const std::string words = words_of(rest);
     const bool deleted =
         line.find_first_not_of(" \t") != std::string_view::npos && line[line.find_first_not_of(" \t")] == '/';
-    const bool nothing = words_of(rest).empty() || rest[0] == '%';
+    const bool nothing = words.empty() || rest[0] == '%';
     const bool o_word = !rest.empty() && (rest[0] == 'O' || rest[0] == 'o');
     if (!deleted && (nothing || o_word || rest.size() + line_number_digits + 1 > interpreter_line_max))
       out += line;
     else if (!deleted)
-      out += fmt::format("N{:0{}}{}", number, line_number_digits, rest);
+      out += numbered_line(rest, words, fmt::format("N{:0{}}", number, line_number_digits), open);
     out += '\n';
   }
   return out;

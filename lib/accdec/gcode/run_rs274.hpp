@@ -26,7 +26,8 @@ Toolpath read_interpreted(const std::filesystem::path& program, const ProgramToo
 std::string no_tool_length(const std::string& program, std::int64_t line);
 
 /// The program with the number of every line as its N word, of `line_number_digits` digits. Lines that do nothing,
-/// lines with O words and lines too long for it stay as they are.
+/// lines with O words and lines too long for it stay as they are. Splines have lines beside them, see
+/// lines_with_spline.
 std::string numbered_lines(std::string_view text);
 
 }  // namespace accdec

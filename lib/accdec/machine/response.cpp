@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/refused_key.hpp>
 #include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/response.hpp>
 
@@ -163,15 +164,16 @@ void give_slowest_servo(Machine& machine, double period) {
 
 void require_no_servo(const Machine& machine, const char* what) {
   if (!has_servo(machine)) return;
-  throw std::invalid_argument(fmt::format(
-      "{} does not consider the servo of an axis (servo_gain_1_s, response_taps); {}", what, considered_by));
+  throw RefusedKey(
+      fmt::format("{} does not consider the servo of an axis (servo_gain_1_s, response_taps); {}", what, considered_by),
+      {"servo_gain_1_s", "response_taps"});
 }
 
 void require_no_response(const Machine& machine, const char* what) {
   require_no_servo(machine, what);
   if (machine.prefilter_taps.empty()) return;
-  throw std::invalid_argument(
-      fmt::format("{} does not consider the control's prefilter_taps; {}", what, considered_by));
+  throw RefusedKey(fmt::format("{} does not consider the control's prefilter_taps; {}", what, considered_by),
+                   {"prefilter_taps"});
 }
 
 }  // namespace accdec

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/refused_key.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/limits.hpp>
@@ -111,12 +112,12 @@ void require_no_shared_loads(const Machine& machine, const char* what) {
                     : has_mode_of_axis(machine)                  ? "residual_max_um"
                                                                  : nullptr;
   if (key == nullptr) return;
-  throw std::invalid_argument(fmt::format("{} does not consider `{}`; {}", what, key, considered_by));
+  throw RefusedKey(fmt::format("{} does not consider `{}`; {}", what, key, considered_by), {key});
 }
 
 void require_no_modes_of_axes(const Machine& machine, const char* what) {
   if (!has_mode_of_axis(machine)) return;
-  throw std::invalid_argument(fmt::format("{} does not consider `residual_max_um`; {}", what, considered_by));
+  throw RefusedKey(fmt::format("{} does not consider `residual_max_um`; {}", what, considered_by), {"residual_max_um"});
 }
 
 std::vector<LimitUse> axis_utilisation(const Filter& filter, const Corner& corner, int delay, double sample_period,

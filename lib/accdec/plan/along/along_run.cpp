@@ -10,9 +10,8 @@
 namespace accdec {
 namespace {
 
-constexpr double of_limits = 1.0 - 1e-6;  // of the limits, for rounding
-constexpr double of_kinks = 0.5;          // of the limits of acceleration and jerk
-constexpr double of_tolerance = 0.98;     // for samples beside a joint
+constexpr double of_kinks = 0.5;       // of the limits of acceleration and jerk
+constexpr double of_tolerance = 0.98;  // for samples beside a joint
 constexpr std::size_t nodes_max = 400'000;
 
 using Vector = std::array<double, program_axis_count>;

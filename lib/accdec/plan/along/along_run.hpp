@@ -26,6 +26,9 @@ std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::
 /// The same motion with its runs between stops along the path wherever that is faster.
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline);
 
+/// The part of the limits that motions along a path use: the rest is for rounding.
+inline constexpr double of_limits = 1.0 - 1e-6;
+
 /// The smallest tolerance of a joint that is passed without a stop, m.
 inline constexpr double least_tolerance = 1e-8;
 

@@ -1,32 +1,53 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include <accdec/plan/along/along_run.hpp>
+#include <accdec/plan/along/straight_run.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr double near_rest = 1e-9, at_rest = 1e-12;  // m
+constexpr double rounding = 1e-14;                   // m, of a position at rest
+constexpr std::size_t never = std::size_t{1} << 60;  // samples
+
+/// Makes a motion along blocks first .. last; one of `most` samples or more is of no use.
+using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::size_t last, std::size_t most)>;
 
 /// Puts a motion together, run by run, from another and from runs along the path.
 class Joining {
  public:
-  Joining(const FreePath& free, const FreeSamples& motion) : free_(free), motion_(motion), n_(free.dimensions()) {
+  Joining(const FreePath& free, const FreeSamples& motion, MakeRun make)
+      : free_(free), motion_(motion), make_(std::move(make)), n_(free.dimensions()) {
     result_.position.assign(motion.position.begin(), motion.position.begin() + static_cast<std::ptrdiff_t>(n_));
   }
 
-  FreeSamples run(const Deadline& deadline) {
+  FreeSamples run() {
     std::size_t first = 0;
     for (std::size_t b = 0; b < free_.path.blocks(); ++b) {
       const std::size_t end = stop_at(b);
       if (end == 0) continue;
-      take(first, b, end, deadline);
+      add(first, b, end);
       first = b + 1;
     }
+    choose();
+    for (std::size_t i = 0; i < runs_.size(); ++i) take(i);
     return std::move(result_);
   }
 
  private:
+  /// Blocks first .. last from rest to rest: samples begin .. end of the motion, or a run along the path.
+  struct Run {
+    std::size_t first, last, begin, end;
+    std::size_t rest = 0, still = 0;  // samples before the first move: of dwells, and of the motion
+    std::optional<AlongRun> along{};
+    bool chosen = false;  // the run along the path
+  };
+
   /// m, of a sample from a point.
   double distance(std::size_t sample, std::size_t point) const {
     double sum = 0.0;
@@ -45,33 +66,74 @@ class Joining {
     double least = at_rest;
     for (auto k = static_cast<std::size_t>(std::ceil(motion_.passes[b] - 1e-6));
          k < last && distance(k, b + 1) <= near_rest; ++k) {
-      if (distance(k, b + 1) >= least) continue;
+      if (distance(k, b + 1) > least - rounding) continue;
       least = distance(k, b + 1);
       best = k;
     }
     return best;
   }
-  /// Blocks first .. last, at whose end the motion rests at sample `end`.
-  void take(std::size_t first, std::size_t last, std::size_t end, const Deadline& deadline) {
-    const std::size_t begin = next_;
-    next_ = end;
-    const std::size_t rest = rests(begin, end, first), most = end - begin - std::min(rest, end - begin);
-    std::optional<AlongRun> along;
-    if (!deadline.over()) along = along_run(free_, first, last, most, deadline);
+  /// At whose end the motion rests at sample `end`.
+  void add(std::size_t first, std::size_t last, std::size_t end) {
+    Run run{first, last, runs_.empty() ? 0 : runs_.back().end, end};
+    while (run.begin + run.still + 1 < end && distance(run.begin + run.still + 1, first) <= at_rest) ++run.still;
+    run.rest = std::min(rests(run.begin, end, first), end - run.begin);
+    run.along = make_(first, last, end - run.begin - run.rest);
+    runs_.push_back(std::move(run));
+  }
+  std::size_t samples(const Run& run, bool along) const {
+    if (!along) return run.end - run.begin;
+    return run.along ? run.rest + run.along->position.size() / n_ : never;
+  }
+  /// Samples of rest that a run needs more behind one of the other kind. Each is a motion from rest to rest by itself,
+  /// but the differences of the samples around their meeting see both.
+  std::size_t between(const Run& run, bool along) const {
+    // A dwell of the motion may begin while it still comes to rest.
+    const std::size_t needed = std::max(free_.border() - 1, along ? 0 : run.rest), there = along ? run.rest : run.still;
+    return needed - std::min(needed, there);
+  }
+  /// The kind of every run, so that all together are as short as possible.
+  void choose() {
+    std::vector<std::array<std::size_t, 2>> total(runs_.size());  // up to and with a run of this kind
+    std::vector<std::array<bool, 2>> before(runs_.size());        // kind of the run before it
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      for (const bool along : {false, true}) {
+        const std::size_t other = between(runs_[i], along), own = samples(runs_[i], along);
+        std::size_t least = 0;
+        before[i][along] = along;
+        if (i > 0) {
+          least = total[i - 1][along];
+          before[i][along] = total[i - 1][!along] + other < least ? !along : along;
+          least = std::min(least, total[i - 1][!along] + other);
+        }
+        total[i][along] = std::min(never, least + own);
+      }
+    }
+    bool along = !runs_.empty() && total.back()[1] < total.back()[0];
+    for (std::size_t i = runs_.size(); i-- > 0;) {
+      runs_[i].chosen = along;
+      along = before[i][along];
+    }
+  }
+  void rest(std::size_t count, std::size_t point) {
+    for (std::size_t i = 0; i < count; ++i)
+      result_.position.insert(result_.position.end(), free_.path.point(point), free_.path.point(point) + n_);
+  }
+  void take(std::size_t i) {
+    const Run& run = runs_[i];
+    if (i > 0 && runs_[i - 1].chosen != run.chosen) rest(between(run, run.chosen), run.first);
+    if (run.chosen) rest(run.rest, run.first);
     const auto now = static_cast<double>(result_.count(n_) - 1);
-    if (along && along->position.size() / n_ < most) {
-      for (std::size_t i = 0; i < rest; ++i)
-        result_.position.insert(result_.position.end(), free_.path.point(first), free_.path.point(first) + n_);
-      result_.position.insert(result_.position.end(), along->position.begin(), along->position.end());
-      for (const double pass : along->passes) result_.passes.push_back(now + static_cast<double>(rest) + pass);
+    if (run.chosen) {
+      result_.position.insert(result_.position.end(), run.along->position.begin(), run.along->position.end());
+      for (const double pass : run.along->passes) result_.passes.push_back(now + pass);
     } else {
       result_.position.insert(result_.position.end(),
-                              motion_.position.begin() + static_cast<std::ptrdiff_t>((begin + 1) * n_),
-                              motion_.position.begin() + static_cast<std::ptrdiff_t>((end + 1) * n_));
-      for (std::size_t b = first; b < last; ++b)
-        result_.passes.push_back(motion_.passes[b] - static_cast<double>(begin) + now);
+                              motion_.position.begin() + static_cast<std::ptrdiff_t>((run.begin + 1) * n_),
+                              motion_.position.begin() + static_cast<std::ptrdiff_t>((run.end + 1) * n_));
+      for (std::size_t b = run.first; b < run.last; ++b)
+        result_.passes.push_back(motion_.passes[b] - static_cast<double>(run.begin) + now);
     }
-    if (last + 1 < free_.path.blocks()) result_.passes.push_back(static_cast<double>(result_.count(n_) - 1));
+    if (run.last + 1 < free_.path.blocks()) result_.passes.push_back(static_cast<double>(result_.count(n_) - 1));
   }
   /// Samples to rest for before the first block of a run.
   std::size_t rests(std::size_t begin, std::size_t end, std::size_t first) const {
@@ -87,15 +149,24 @@ class Joining {
 
   const FreePath& free_;
   const FreeSamples& motion_;
+  const MakeRun make_;
   const std::size_t n_;
-  std::size_t next_ = 0;  // sample of the motion where the next run begins
+  std::vector<Run> runs_;
   FreeSamples result_;
 };
 
 }  // namespace
 
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline) {
-  return Joining(free, motion).run(deadline);
+  const auto make = [&](std::size_t first, std::size_t last, std::size_t most) {
+    return deadline.over() ? std::nullopt : along_run(free, first, last, most, deadline);
+  };
+  return Joining(free, motion, make).run();
+}
+
+FreeSamples with_straight_runs(const FreePath& free, const FreeSamples& motion) {
+  const auto make = [&](std::size_t first, std::size_t last, std::size_t) { return straight_run(free, first, last); };
+  return Joining(free, motion, make).run();
 }
 
 }  // namespace accdec

@@ -287,6 +287,12 @@ ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double 
   return Scheduler(path, filter, sample_period, machine, deadline, corner_feed_step).run(rounds_max);
 }
 
+double seconds_for_one_plan(const Toolpath& path) {
+  // Three rounds of chords of arcs under a jerk limit need 4e-5 s a block; cores may be busy.
+  constexpr double least = 2.0, a_block = 2e-4, most = 30.0;
+  return std::min(most, least + a_block * static_cast<double>(path.blocks()));
+}
+
 std::optional<ScheduledPlan> schedule_stops(const Toolpath& path, const Filter& filter, double sample_period,
                                             const Machine& machine, const Deadline& deadline) {
   // Every joint is a stop, so no corner has a feed of its own.

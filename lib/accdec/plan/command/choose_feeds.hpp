@@ -22,6 +22,10 @@ struct ScheduledPlan {
 ScheduledPlan schedule_feeds(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                              int rounds_max = 40, const Deadline& deadline = {}, double corner_feed_step = 0.0);
 
+/// s, enough for a few rounds on a busy core: one plan of chosen feeds is not cut short by a time limit. A motion with
+/// stops at all corners needs no planning, but it may last ten times as long.
+double seconds_for_one_plan(const Toolpath& path);
+
 /// The same with a stop at the end of every block. No joint breaks its tolerance, and no two blocks act on each other,
 /// so that one round is often enough. None if that takes longer than the deadline.
 std::optional<ScheduledPlan> schedule_stops(const Toolpath& path, const Filter& filter, double sample_period,

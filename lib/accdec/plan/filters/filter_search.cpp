@@ -30,6 +30,7 @@ class Search {
         machine_(machine),
         options_(options),
         start_(std::chrono::steady_clock::now()),
+        end_of_first_(options.time_limit + seconds_for_one_plan(path)),
         search_(
             *find_family("trapezoid"),
             {options.order_min, options.order_max, machine.modes.empty() && !limits_jerk(machine)},
@@ -135,7 +136,8 @@ class Search {
     if (!filter) return unlimited;
     double time = planned(*filter, rounds_to_judge);
     // Few plans need more rounds to hold, and each costs as much as the first.
-    if (time > behind_all && time - behind_all < search_.cost() && !late()) time = planned(*filter, rounds_max);
+    const bool more = !late() || !search_.found();
+    if (time > behind_all && time - behind_all < search_.cost() && more) time = planned(*filter, rounds_max);
     if (time > behind_all) time = behind_all + stopping(*filter);
     // A plan that was not finished is judged only where there is no other.
     if (late() && search_.cost() < unlimited) return unlimited;
@@ -149,7 +151,8 @@ class Search {
     double time = 0.0;
     bool held = true;
     for (const Toolpath& part : parts_) {
-      const ScheduledPlan plan = schedule_feeds(part, filter, period_, machine_, rounds, end_);
+      const Deadline& until = search_.found() ? end_ : end_of_first_;
+      const ScheduledPlan plan = schedule_feeds(part, filter, period_, machine_, rounds, until);
       time += static_cast<double>(plan.plan.simulation.samples) * period_;
       held = held && all_holds(plan.plan);
     }
@@ -183,6 +186,8 @@ class Search {
   const FilterSearchOptions& options_;
   std::chrono::steady_clock::time_point start_;
   const Deadline end_{options_.time_limit};
+  /// The guess is judged by a whole plan: it is a good filter, whatever the time limit.
+  const Deadline end_of_first_;
   double ramp_ = 0.0;  // samples from no acceleration to the largest at the largest jerk
   int longest_ = 4;
   TrialSearch search_;

@@ -11,6 +11,8 @@
 namespace accdec {
 namespace {
 
+constexpr double rounding2 = 1e-28;  // m^2
+
 /// The place on the step from a to b that is nearest to the point, not before `low`.
 double nearest(const double* a, const double* b, const double* point, std::size_t n, double low) {
   double along = 0.0, length2 = 0.0;
@@ -36,7 +38,8 @@ class NearestPlace {
       const double d = a[i] + t * (a[n_ + i] - a[i]) - point_[i];
       distance2 += d * d;
     }
-    if (distance2 >= best_) return;
+    // At rest, rounding makes later samples no nearer.
+    if (distance2 >= best_ - rounding2) return;
     best_ = distance2;
     at_ = static_cast<double>(k - 1) + t;
   }

@@ -8,11 +8,13 @@
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
+#include <accdec/plan/along/straight_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/result/along_plan.hpp>
 #include <accdec/plan/result/fastest_plan.hpp>
 #include <accdec/plan/result/fixed_plan.hpp>
 #include <accdec/plan/result/free_plan.hpp>
+#include <accdec/plan/result/refused_keys.hpp>
 #include <accdec/plan/result/verify_program_result.hpp>
 
 namespace accdec {
@@ -26,22 +28,6 @@ void refuse_options(const Toolpath& path, const ProgramFileOptions& options) {
   if (options.fixed.feeds == Feeds::keep)
     refuse("takes F as an upper bound and chooses the speed of every sample", "only plan fixed keeps feeds");
   if (!path.given_delays.empty()) refuse("takes no delays from the program", "leave out --dwells-before-filter");
-}
-
-void refuse_limits(const Task& task, const Toolpath& path) {
-  const char* const others = "use --plan profiles";
-  for (const Mode& mode : task.machine.modes) {
-    if (mode.residual_max < 1.0) refuse("keeps no vibration bounds ([[mode]])", others);
-  }
-  const Machine machine = program_machine(task.machine, path);
-  if (machine.axes.empty()) refuse("needs limits of the axes ([[axis]])", others);
-  for (const Axis& axis : machine.axes) {
-    if (axis.power_max < unlimited) refuse(fmt::format("keeps no limit of power (axis {})", axis.name), others);
-    if (axis.regeneration_max < unlimited)
-      refuse(fmt::format("keeps no limit of regeneration (axis {})", axis.name), others);
-    if (!(axis.acceleration_max < unlimited) && !(axis.force_max < unlimited && axis.mass > 0.0))
-      refuse(fmt::format("needs a limit of acceleration or of force with a mass (axis {})", axis.name), others);
-  }
 }
 
 /// Why the plan is not written sample by sample; empty if it is.
@@ -89,10 +75,24 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const ProgramResult* fi
   return {profiles, sampled(path, *profiles.plan.trajectory(), profiles.sample_period)};
 }
 
+/// The motion with each straight leg between stops by itself, if the check takes it.
+AlongPlan with_fastest_legs(AlongPlan begun, const ProgramResult& profiles, const FreePath& tube,
+                            const std::function<void(const std::string&)>& tell) {
+  FreeSamples samples = with_straight_runs(tube, begun.samples);
+  if (!(samples.position.size() < begun.samples.position.size())) return begun;
+  ProgramResult result = with_samples(profiles, samples);
+  const std::string broken = judge_free_motion(result, tube.machine);
+  if (!broken.empty() && tell) tell("legs by themselves were refused by the check of their samples: " + broken);
+  if (!broken.empty() || !(result.cycle_time < begun.result.cycle_time)) return begun;
+  result.solver.method = "legs from stop to stop by closed form";
+  return {std::move(result), std::move(samples)};
+}
+
 /// The beginning with its samples shortened; the beginning itself where nothing is gained.
 ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine,
                         const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
+  begun = with_fastest_legs(std::move(begun), profiles, tube, tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   if (report.ended && tell) tell("ended early with the best motion so far");
   ProgramResult result = with_samples(profiles, begun.samples);
@@ -113,7 +113,8 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
                             const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell,
                             std::optional<FixedPlan> fixed) {
   refuse_options(file.path, options);
-  refuse_limits(task, file.path);
+  require_positions(task, file.path, "plan free");
+  require_free(task, file.path);
   const auto start = std::chrono::steady_clock::now();
   if (tell) tell("plan profiles, which the free motion begins with");
   const double chords = file.reading.read.arc_tolerance;

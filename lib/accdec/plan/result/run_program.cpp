@@ -21,6 +21,7 @@
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/result/cool_drives.hpp>
 #include <accdec/plan/result/other_rules.hpp>
+#include <accdec/plan/result/refused_keys.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/simulate.hpp>
@@ -81,6 +82,11 @@ class Planning {
     if (path.blocks() <= several_plans_max || !path.given_delays.empty()) as_commanded(path, true);
     ScheduledPlan plan =
         schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_);
+    if (deadline_.over() && !all_holds(plan.plan)) {
+      plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max,
+                            Deadline(seconds_for_one_plan(path)), feed_step_);
+    }
+    chosen_ = all_holds(plan.plan);
     snap(plan);
     if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
     offer(std::move(plan), true);
@@ -114,7 +120,7 @@ class Planning {
   }
   /// If no plan holds, or the time ended before a good one was found: a slow one that stops at every joint.
   void stop(const Toolpath& path, bool feeds_chosen) {
-    const bool ended = deadline_.over() && path.blocks() <= several_plans_max;
+    const bool ended = deadline_.over() && path.blocks() <= several_plans_max && !chosen_;
     // Steps of the feed inside the blocks save most of the time, if they are found quickly.
     if (feeds_chosen && (ended || !all_holds(best_.plan))) {
       auto steps = schedule_stops(path, filter_, task_.sample_period, machine_, Deadline(stepping_time));
@@ -276,6 +282,7 @@ class Planning {
   ScheduledPlan best_;
   Toolpath base_;               // planned at the programmed feeds
   std::optional<double> kept_;  // s, of that plan, which need not hold
+  bool chosen_ = false;         // a plan of chosen feeds was found
   bool delays_had_ = true;
   std::vector<int> alone_;
 };
@@ -354,16 +361,8 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
 }
 
 ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
-  require_no_response(task.machine, "plan profiles");
-  require_no_shared_loads(task.machine, "plan profiles");
-  if (path.contour_max < unlimited)
-    throw std::invalid_argument("plan profiles does not consider [program] contour_max_um; --plan fixed does");
+  require_positions(task, path, "plan profiles");
   const auto start = std::chrono::steady_clock::now();
-  if (task.settings && (task.settings->names_family() || limits_taps(*task.settings))) {
-    throw std::invalid_argument(
-        "plans profiles and free give every sample a position, and the task's control has one filter for the whole "
-        "program ([design] family, [controller] delays, or the controller's); use --plan fixed, or leave it out");
-  }
   if (!path.given_delays.empty()) {
     throw std::invalid_argument(
         "plan profiles takes no delays from the program: it has no one filter that they "

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <accdec/simulate.hpp>
+#include <accdec/task.hpp>
+
+namespace accdec {
+
+/// Refuses what plans of positions, `profiles` and `free`, do not keep.
+/// @param plan  "plan free"  @throws RefusedKey
+void require_positions(const Task& task, const Toolpath& path, const char* plan);
+
+/// Refuses what `free` does not keep beside, of the axes that the path moves.  @throws RefusedKey
+void require_free(const Task& task, const Toolpath& path);
+
+}  // namespace accdec
