@@ -96,7 +96,7 @@ int JointDelays::of_control(int delay) {
 }
 
 int JointDelays::exact_stop() const {
-  return std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+  return exact_stop_of(filter_);
 }
 
 int JointDelays::stop(std::size_t b) {
