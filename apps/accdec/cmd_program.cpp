@@ -319,8 +319,7 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
                     "With --plan profiles or free: write the positions, one line per cycle, - for standard output");
   command
       .add_option("--as", options.controls,
-                  "Also estimate how long another control needs, by the rules of its own planner: klipper, grbl or "
-                  "linuxcnc-2.9; may be repeated")
+                  "Also estimate how long another control needs, by the rules of its own planner; may be repeated")
       ->type_name("CONTROL")
       ->allow_extra_args(false)
       ->check(one_of(estimated_controls()));
@@ -353,7 +352,7 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
                   "its samples as far as limits, feeds and tolerances allow. It ends when nothing is gained, at "
                   "--time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
-      ->check(one_of({"fixed", "profiles", "free"}))
+      ->check(one_of(plan_names()))
       ->capture_default_str();
   command
       .add_option("--feeds", options.feeds,

@@ -342,6 +342,8 @@ void bind_program(py::module_& module) {
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
       py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("estimate"),
       py::arg("estimate_options"), py::arg("progress"));
+  module.def("plan_names", &plan_names);
+  module.def("estimated_controls", &estimated_controls);
   module.def(
       "program_drawing",
       [](const Pointer& result, const std::string& format) {

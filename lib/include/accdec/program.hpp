@@ -311,7 +311,10 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
 /// free: a position for every sample.
 enum class PlanKind { fixed, profiles, free };
 
-/// @throws std::invalid_argument unless the name is "fixed", "profiles" or "free"
+/// Their names, in this order.
+const std::vector<std::string>& plan_names();
+
+/// @throws std::invalid_argument unless it is one of these names
 PlanKind plan_kind(std::string_view name);
 
 /// Options of plan fixed.

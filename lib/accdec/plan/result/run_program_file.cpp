@@ -1,6 +1,12 @@
+#include <array>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/files/words.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
@@ -11,6 +17,9 @@
 
 namespace accdec {
 namespace {
+
+constexpr std::array<std::pair<PlanKind, std::string_view>, 3> plan_kinds{
+    {{PlanKind::fixed, "fixed"}, {PlanKind::profiles, "profiles"}, {PlanKind::free, "free"}}};
 
 /// Plan fixed with the bounds of any motion. Behind a servo there are none: they are of motions, and the time of the
 /// plan is that of the command.
@@ -34,11 +43,18 @@ ProgramResult fixed_with_bounds(const std::string& name, ProgramFile& file, cons
 
 }  // namespace
 
+const std::vector<std::string>& plan_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const auto& [kind, name] : plan_kinds) list.emplace_back(name);
+    return list;
+  }();
+  return names;
+}
+
 PlanKind plan_kind(std::string_view name) {
-  if (name == "fixed") return PlanKind::fixed;
-  if (name == "profiles") return PlanKind::profiles;
-  if (name == "free") return PlanKind::free;
-  throw std::invalid_argument("plans are fixed, profiles and free");
+  if (const auto kind = value_of<PlanKind>(plan_kinds, name)) return *kind;
+  throw std::invalid_argument(fmt::format("plans are {}", fmt::join(plan_names(), ", ")));
 }
 
 ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
