@@ -137,7 +137,7 @@ TEST(Motion, OfACommandIsTheDirectOne) {
 TEST(Motion, OfATrajectoryEndsAtRest) {
   Task task;
   task.machine = machine(1.0, 1.0);
-  const ProgramResult result = run_profiles("a", path_of("G64 P0.05\nG1 F6000 X30\nY30\n", task.machine), task);
+  const ProgramResult result = run_profiles({"a", path_of("G64 P0.05\nG1 F6000 X30\nY30\n", task.machine), task});
   ASSERT_TRUE(result.verification.feasible) << result.message;
   Motion motion(result.plan, period);
   Sample sample, last;

@@ -62,7 +62,7 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
         Toolpath programmed = read.path;
         std::vector<ControlEstimate> estimated =
             estimate_times(programmed, task->machine, estimates.controls, estimates.given);
-        ProgramResult found = run_program_file(file, read, *task, asked, teller(work));
+        ProgramResult found = run_program_file(std::move(read), *task, asked, teller(work));
         found.estimates = std::move(estimated);
         *result = std::make_shared<Program>(std::move(found), std::move(programmed), task->machine);
       },
