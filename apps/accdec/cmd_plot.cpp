@@ -49,7 +49,7 @@ std::string draw_program(const std::string& text, const PlotArguments& options, 
   if (why.empty() && !programmed) why = "the program was run by rs274, which is not installed";
   if (programmed && plan_again) {
     if (record.result.status != Status::feasible) throw std::invalid_argument("the result is failed: no plan to draw");
-    const ProgramResult planned = plan_profiles_of(record.inputs.program, *programmed, record.task);
+    const ProgramResult planned = plan_profiles_of({record.inputs.program, *programmed, record.task});
     return program_figure(planned, *programmed, record.task.machine, format, view_from(options.view));
   }
   if (programmed)

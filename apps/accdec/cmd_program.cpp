@@ -50,15 +50,15 @@ struct ProgramArguments {
 };
 
 /// The inputs of the result, for whoever rechecks it.
-ProgramInputs inputs_of(const ProgramArguments& options, const ProgramFile& file) {
+ProgramInputs inputs_of(const ProgramArguments& options, const ProgramResult& result, bool interpreted) {
   ProgramInputs inputs;
   inputs.program = options.program;
   inputs.program_hash = hash_of_file(options.program);
   inputs.task_path = options.task;
   inputs.task_text = read_text_file(options.task);
-  inputs.reading = file.reading;
-  inputs.interpreted = file.interpreted;
-  if (file.interpreted) inputs.tools = options.file.tools;
+  inputs.reading = result.reading;
+  inputs.interpreted = interpreted;
+  if (interpreted) inputs.tools = options.file.tools;
   return inputs;
 }
 
@@ -68,10 +68,10 @@ std::vector<ControlEstimate> estimates_of(const ProgramArguments& options, const
 }
 
 /// As the answer's chords of arcs were read, so that whoever rechecks it finds the same.
-void add_estimates(const ProgramArguments& options, const ProgramFile& file, const Task& task, ProgramResult& result) {
+void add_estimates(const ProgramArguments& options, const Task& task, ProgramResult& result) {
   if (options.controls.empty()) return;
   ProgramFileOptions as_answered = options.file;
-  as_answered.arc_tolerance = file.reading.read.arc_tolerance;
+  as_answered.arc_tolerance = result.reading.read.arc_tolerance;
   result.estimates = estimates_of(options, read_program_file(options.program, task, as_answered, {}).path, task);
 }
 
@@ -134,8 +134,7 @@ std::int64_t peak_memory() {
 }
 
 /// A free motion: Ctrl-C ends it with the best so far.
-ProgramResult free_motion(const ProgramArguments& options, const Context& context, ProgramFile& file,
-                          const Task& task) {
+ProgramResult free_motion(const ProgramArguments& options, const Context& context, ProgramFile file, const Task& task) {
   const Interrupt interrupt;
   std::optional<StatusLine> status;
   status.emplace(context.quiet, StatusLine::Lines::none, options.file.time_limit.value_or(0.0));
@@ -145,7 +144,7 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
   asked.free.progress = [&](double gained, double share) {
     status->tell(fmt::format("{:.0f} % of a sweep, {:.3f} s gained", 100.0 * share, gained));
   };
-  ProgramResult result = run_program_file(options.program, file, task, asked, [&](const std::string& line) {
+  ProgramResult result = run_program_file(std::move(file), task, asked, [&](const std::string& line) {
     last = line;
     status->tell(line);
   });
@@ -156,16 +155,15 @@ ProgramResult free_motion(const ProgramArguments& options, const Context& contex
 }
 
 /// The requested plan. None if no filter holds; a line then says so.
-std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context& context, ProgramFile& file,
+std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context& context, ProgramFile file,
                                        const Task& task) {
   std::optional<ProgramResult> result;
   if (options.file.plan == PlanKind::free) {
-    result = free_motion(options, context, file, task);
+    result = free_motion(options, context, std::move(file), task);
   } else {
     const bool given = options.file.plan == PlanKind::fixed && task.filter;
     StatusLine status(context.quiet, given ? StatusLine::Lines::none : StatusLine::Lines::news);
-    result = run_program_file(options.program, file, task, options.file,
-                              [&](const std::string& line) { status.tell(line); });
+    result = run_program_file(std::move(file), task, options.file, [&](const std::string& line) { status.tell(line); });
   }
   if (result->plan.empty()) {
     std::string why = result->message;
@@ -251,9 +249,10 @@ void run(ProgramArguments& options, Context& context) {
   });
   const Toolpath programmed = figure_type.empty() ? Toolpath{} : file.path;
   const std::vector<ControlEstimate> estimates = estimates_of(options, file.path, task);
+  const bool interpreted = file.interpreted;
   std::optional<ProgramResult> planned;
   try {
-    planned = plan_with(options, context, file, task);
+    planned = plan_with(options, context, std::move(file), task);
   } catch (const RefusedKey& refused) {
     throw error_at_key(options.task, refused);
   }
@@ -261,9 +260,10 @@ void run(ProgramArguments& options, Context& context) {
     for (const ControlEstimate& estimate : estimates) std::fputs(estimate_text(estimate, 0.0).c_str(), stdout);
     return;
   }
-  add_estimates(options, file, task, *planned);
+  add_estimates(options, task, *planned);
   const ProgramResult& result = *planned;
-  write_outputs(options, context, result, options.json.empty() ? "" : program_to_json(result, inputs_of(options, file)),
+  write_outputs(options, context, result,
+                options.json.empty() ? "" : program_to_json(result, inputs_of(options, result, interpreted)),
                 figure_type.empty()
                     ? ""
                     : program_figure(result, programmed, task.machine, figure_type, view_from(options.view)));
@@ -325,8 +325,7 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
                     "With --plan profiles or free: write the positions, one line per cycle, - for standard output");
   command
       .add_option("--as", options.controls,
-                  "Also estimate how long another control needs, by the rules of its own planner: klipper, grbl or "
-                  "linuxcnc-2.9; may be repeated")
+                  "Also estimate how long another control needs, by the rules of its own planner; may be repeated")
       ->type_name("CONTROL")
       ->allow_extra_args(false)
       ->check(one_of(estimated_controls()));
@@ -359,7 +358,7 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
                   "begins with the fastest one and shortens windows of its samples as far as limits, feeds and "
                   "tolerances allow. It ends when nothing is gained, at --time-limit or at Ctrl-C")
       ->check([](const std::string& plan) { return std::string(plan == "per-leg" ? no_per_leg : ""); })
-      ->check(one_of({"fixed", "profiles", "free"}))
+      ->check(one_of(plan_names()))
       ->capture_default_str();
   command
       .add_option("--feeds", options.feeds,

@@ -44,7 +44,7 @@ ProgramResult arc_plan(const std::string& program, const Task& task, bool free, 
   ProgramFile file = read_program_file(name, task, options, {});
   options.plan = free ? PlanKind::free : PlanKind::profiles;
   options.free.sweeps = 1;
-  return run_program_file(name, file, task, options, {});
+  return run_program_file(file, task, options, {});
 }
 
 void expect_verified(const ProgramResult& result, const Task& task) {

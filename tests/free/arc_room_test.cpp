@@ -88,12 +88,10 @@ TEST_P(ArcRoom, EveryPlanStaysWithinTheToleranceOfTheArcs) {
   const TemporaryFolder folder;
   const std::string name = folder.write("part.ngc", loops.program());
   const ProgramFile file = read_program_file(name, task, {}, {});
-  ProgramFile fixed = file, free = file;
   ProgramFileOptions quick;
   quick.free.sweeps = 1;
-  for (const ProgramResult& result :
-       {run_fixed_plan(name, fixed, task, {}, {}), plan_profiles_of(name, file.path, task),
-        run_free_plan(name, free, task, quick, {})}) {
+  for (const ProgramResult& result : {run_fixed_plan(file, task, {}, {}), plan_profiles_of({name, file.path, task}),
+                                      run_free_plan(file, task, quick, {})}) {
     EXPECT_TRUE(result.verification.feasible) << result.message;
     expect_on_circles(result, loops);
     ASSERT_TRUE(result.arcs);

@@ -53,11 +53,9 @@ TEST_P(FreeBesideFixed, IsNeverSlower) {
     filter.kind = Shape::trapezoid, filter.order = seed % 4 < 2 ? 12 : 30, filter.ramp = 6;
     task.filter = filter;
     const std::string program = program_of(GetParam(), seed);
-    ProgramFile file;
-    file.path = test::path_of(program, task.machine);
-    ProgramFile again = file;
-    const ProgramResult fixed = run_fixed_plan("test", file, task, {}, {});
-    const ProgramResult free = run_free_plan("test", again, task, {}, {});
+    const ProgramFile file{"test", test::path_of(program, task.machine)};
+    const ProgramResult fixed = run_fixed_plan(file, task, {}, {});
+    const ProgramResult free = run_free_plan(file, task, {}, {});
     ASSERT_TRUE(free.verification.feasible) << free.message << program;
     EXPECT_THAT(verify_program_result(free, task).reasons, testing::IsEmpty()) << program;
     ASSERT_TRUE(fixed.verification.feasible) << fixed.message << program;
@@ -70,13 +68,11 @@ TEST(FreeBesideFixed, TakesThePlanThatIsKnown) {
   Task task;
   task.sample_period = two_ms;
   task.machine = test::machine_of(1.0, 40.0);
-  ProgramFile file;
-  file.path = test::path_of(program_of(0, 1), task.machine);
-  FixedPlan known{file, {}};
-  known.result = run_fixed_plan("test", known.file, task, {}, {});
-  ASSERT_TRUE(known.result.verification.feasible) << known.result.message;
-  known.result.cycle_time = 1e-3;  // faster than any motion: the answer shows where it came from
-  const ProgramResult free = run_free_plan("test", file, task, {}, {}, known);
+  const ProgramFile file{"test", test::path_of(program_of(0, 1), task.machine)};
+  ProgramResult known = run_fixed_plan(file, task, {}, {});
+  ASSERT_TRUE(known.verification.feasible) << known.message;
+  known.cycle_time = 1e-3;  // faster than any motion: the answer shows where it came from
+  const ProgramResult free = run_free_plan(file, task, {}, {}, known);
   EXPECT_EQ(free.cycle_time, 1e-3);
   EXPECT_STREQ(free.plan.name(), "fixed");
 }
@@ -90,7 +86,7 @@ TEST(FreeBesideFixed, BeginsWithTheSamplesOfTheFasterPlan) {
   Task task;
   task.sample_period = two_ms;
   task.machine = test::machine_of(1.0, 40.0);
-  const ProgramResult fixed = run_program("test", path, trapezoid(30, 8), task, false, Feeds::choose);
+  const ProgramResult fixed = run_program({"test", path, task, Feeds::choose}, trapezoid(30, 8));
   ASSERT_TRUE(fixed.verification.feasible) << fixed.message;
   const auto samples = sampled(path, fixed.plan, two_ms);
   ASSERT_TRUE(samples);

@@ -198,12 +198,11 @@ TEST(FreeBound, IsNotAbovePlansThatAreFree) {
     task.sample_period = 1e-3;
     task.machine = test::machine_of(i == 0 ? 3.0 : 1.0, i == 1 ? 50.0 : unlimited);
     const Legs legs = random_legs(random, 4, i < 2 ? 1e-3 : 4e-3, i % 2 == 0 ? 2e-4 : 3e-5);
-    ProgramFile file;
-    file.path = test::path_of(legs.program(), task.machine);
+    const ProgramFile file{"test", test::path_of(legs.program(), task.machine)};
     const double bound = any_motion_bound(file.path, task.machine, task.sample_period, 60.0, false).time;
     ProgramFileOptions quick;
     quick.free.sweeps = 2;
-    const ProgramResult free = run_free_plan("test", file, task, quick, {});
+    const ProgramResult free = run_free_plan(file, task, quick, {});
     ASSERT_TRUE(free.verification.feasible) << free.message;
     EXPECT_LE(bound, free.cycle_time) << legs.program();
     EXPECT_GE(bound, 0.7 * free.cycle_time) << legs.program();

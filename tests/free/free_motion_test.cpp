@@ -26,9 +26,7 @@ using test::machine_of;
 using testing::HasSubstr;
 
 ProgramFile file_of(const std::string& program, const Task& task) {
-  ProgramFile file;
-  file.path = test::path_of(program, task.machine);
-  return file;
+  return {"test", test::path_of(program, task.machine)};
 }
 
 Task task_of(double period, double jerk) {
@@ -39,8 +37,7 @@ Task task_of(double period, double jerk) {
 }
 
 ProgramResult free_plan(const std::string& program, const Task& task, const ProgramFileOptions& options = {}) {
-  ProgramFile file = file_of(program, task);
-  return run_free_plan("test", file, task, options, {});
+  return run_free_plan(file_of(program, task), task, options, {});
 }
 
 /// The plan holds for the check of results, which makes everything from the recorded samples again.

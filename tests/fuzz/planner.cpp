@@ -171,12 +171,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const double d : path.duration) way += d;
     if (path.blocks() > 120 || way > 5.0) return 0;  // right, but slow
     const Inputs inputs = inputs_of(machine, options);
-    const ProgramResult profiles = plan_profiles_of(inputs.recorded.program, path, inputs.task);
+    const ProgramResult profiles = plan_profiles_of({inputs.recorded.program, path, inputs.task});
     if (profiles.verification.feasible) check_profiles(profiles.plan, program_machine(machine, path));
     verify(profiles, path, inputs);
     // Under sanitizers a search may take minutes; the best plan by then must hold, too.
     const Deadline deadline(4.0);
-    verify(run_program(inputs.recorded.program, path, boxcar(order), inputs.task, false, Feeds::choose, deadline), path,
+    verify(run_program({inputs.recorded.program, path, inputs.task, Feeds::choose, deadline}, boxcar(order)), path,
            inputs);
   } catch (const ReadError&) {
   }

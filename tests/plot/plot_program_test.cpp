@@ -27,7 +27,7 @@ ProgramResult planned(const std::string& text, double tolerance = 20e-6) {
   ToolpathOptions options;
   options.error_max = tolerance;
   LineSource source("part.ngc", text);
-  return run_program("folder/part.ngc", read_toolpath(source, {}, options), trapezoid(40, 10), task);
+  return run_program({"folder/part.ngc", read_toolpath(source, {}, options), task}, trapezoid(40, 10));
 }
 
 /// The largest value drawn within `radius` of a point.
@@ -75,7 +75,7 @@ TEST(PlotProgram, LegsHaveTheColourOfTheirSpeedAndRapidMovesNone) {
   ToolpathOptions options;
   options.error_max = 20e-6;
   const Toolpath rapid = read_toolpath(source, task.machine, options);
-  const Panel drawn = plot_program(run_program("part.ngc", rapid, trapezoid(40, 10), task)).panels[1];
+  const Panel drawn = plot_program(run_program({"part.ngc", rapid, task}, trapezoid(40, 10))).panels[1];
   ASSERT_EQ(drawn.series.size(), 1U) << "the rapid move by itself";
   EXPECT_THAT(drawn.series[0].x, testing::ElementsAre(50.0, 0.0));
   EXPECT_EQ(value_at(drawn, 25.0, 25.0, 20.0), -1.0);
@@ -91,7 +91,7 @@ TEST(PlotProgram, TheSupplyOfAllAxesBindsByName) {
   ToolpathOptions options;
   options.error_max = 20e-6;
   const ProgramResult result =
-      run_program("part.ngc", read_toolpath(source, task.machine, options), trapezoid(40, 10), task);
+      run_program({"part.ngc", read_toolpath(source, task.machine, options), task}, trapezoid(40, 10));
   std::vector<double> powers, before(2, 0.0);
   std::vector<int> binds;
   const auto visit = [&](std::int64_t, const double*, const double* v, int binding) {
@@ -224,7 +224,7 @@ TEST(PlotProgram, SpeedsOverTimeHaveTheNameOfTheLimitThatBinds) {
   task.machine.axes[0].acceleration_max = 1.0;
   LineSource source("part.ngc", "G1 F6000 X60\n");
   const Toolpath path = read_toolpath(source, task.machine, {});
-  const ProgramResult result = run_profiles("part.ngc", path, task);
+  const ProgramResult result = run_profiles({"part.ngc", path, task});
   ASSERT_TRUE(result.verification.feasible);
   const Figure figure = plot_program(result, path, task.machine);
   const Panel& speed = figure.panels[figure.panels.size() - 2];
@@ -366,7 +366,7 @@ TEST(PlotProgram, DrillingIsDrawnAsDepthOverTime) {
   task.machine.axes[0].velocity_max = 0.5;
   task.machine.axes[0].acceleration_max = 2.0;
   const Toolpath path = with_rapids("G0 X30\nG1 Z-9 F300\nG0 Z5\nX60\nG1 Z-9\nG0 Z5\n");
-  const ProgramResult result = run_profiles("drill.ngc", path, task);
+  const ProgramResult result = run_profiles({"drill.ngc", path, task});
   ASSERT_TRUE(result.verification.feasible);
   const Figure figure = plot_program(result, path, task.machine);
   const Panel& depth = figure.panels[1];

@@ -243,7 +243,7 @@ TEST(CompensateArcs, WhatIsEmittedPlansToTheSameTime) {
   const Filter filter = boxcar(24);
   const std::string text = circle_program(5.0, 2, 0.01);
   const ProgramResult result =
-      run_program("test.ngc", path_of(text, task.machine, 1e-7, true), filter, task, false, Feeds::choose);
+      run_program({"test.ngc", path_of(text, task.machine, 1e-7, true), task, Feeds::choose}, filter);
   ASSERT_TRUE(result.verification.feasible);
   EXPECT_GT(largest_widening(result.plan.path), 5e-6);
   std::ostringstream out;
@@ -253,7 +253,7 @@ TEST(CompensateArcs, WhatIsEmittedPlansToTheSameTime) {
   ToolpathOptions options;
   options.clamp_feeds = options.dwells_before_filter = true;
   Toolpath again = read_toolpath(source, task.machine, options);
-  const ProgramResult second = run_program("emitted.ngc", std::move(again), filter, task, false, Feeds::choose);
+  const ProgramResult second = run_program({"emitted.ngc", std::move(again), task, Feeds::choose}, filter);
   ASSERT_TRUE(second.verification.feasible);
   EXPECT_NEAR(static_cast<double>(second.check.samples), static_cast<double>(result.check.samples), 1.0);
 }

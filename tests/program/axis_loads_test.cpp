@@ -63,13 +63,13 @@ constexpr const char* legs =
 
 TEST(AxisLoads, OfAFilteredProgramAreThoseOfItsSamples) {
   const Task task = mill();
-  expect_loads(run_program("part.ngc", path_of(legs, task), trapezoid(70, 20), task), task);
-  expect_loads(run_program("part.ngc", path_of(legs, task), trapezoid(70, 20), task, false, Feeds::choose), task);
+  expect_loads(run_program({"part.ngc", path_of(legs, task), task}, trapezoid(70, 20)), task);
+  expect_loads(run_program({"part.ngc", path_of(legs, task), task, Feeds::choose}, trapezoid(70, 20)), task);
 }
 
 TEST(AxisLoads, OfATrajectoryAreThoseOfItsSamples) {
   const Task task = mill();
-  expect_loads(run_profiles("part.ngc", path_of(legs, task), task), task);
+  expect_loads(run_profiles({"part.ngc", path_of(legs, task), task}), task);
 }
 
 /// Twice as long a dwell leaves the peak and lowers the mean.
@@ -77,7 +77,7 @@ TEST(AxisLoads, DwellsCoolTheDrive) {
   const Task task = mill();
   const auto loads = [&](const char* dwell) {
     const std::string text = std::string("F6000\nG1 X30\n") + dwell + "\nG1 X0\nM2\n";
-    return run_program("part.ngc", path_of(text, task), trapezoid(70, 20), task);
+    return run_program({"part.ngc", path_of(text, task), task}, trapezoid(70, 20));
   };
   const ProgramResult brief = loads("G4 P0.1"), longer = loads("G4 P2.1");
   EXPECT_NEAR(brief.loads[0].peak, longer.loads[0].peak, 1e-6);

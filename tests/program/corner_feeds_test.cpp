@@ -146,7 +146,7 @@ TEST(ProgramCornerFeeds, CornerFeedsHoldTolerancesWithoutDelays) {
   const std::string program = folder.write("part.ngc", test::corner_program);
   ProgramFileOptions options;
   ProgramFile file = read_program_file(program, task, options, {});
-  const ProgramResult result = run_fixed_plan(program, file, task, options, {});
+  const ProgramResult result = run_fixed_plan(file, task, options, {});
   ASSERT_TRUE(result.verification.feasible) << result.message;
   ASSERT_TRUE(result.settings);
   const Toolpath& path = result.plan.path;

@@ -44,10 +44,10 @@ Task task_of(double jerk, int order) {
 /// The plan of one filter is a candidate of profiles.
 void expect_ordered(const std::string& program, const Task& task) {
   ProgramFile file = read_program_file(program, task, {}, {});
-  const ProgramResult fixed = run_fixed_plan(program, file, task, {}, {});
+  const ProgramResult fixed = run_fixed_plan(file, task, {}, {});
   ASSERT_TRUE(fixed.verification.feasible) << program;
   file = read_program_file(program, task, {}, {});
-  const ProgramResult fastest = run_fastest_plan(program, file, task, {}, {});
+  const ProgramResult fastest = run_fastest_plan(file, task, {}, {});
   EXPECT_LE(fastest.cycle_time, fixed.cycle_time) << program;
   EXPECT_EQ(fastest.message, "") << program;
 }
@@ -85,7 +85,7 @@ TEST_P(ChosenFeeds, AreNeverSlowerThanKeptOnes) {
     ProgramFileOptions options;
     options.fixed.feeds = feeds;
     ProgramFile file = read_program_file(program, task, options, {});
-    return run_fixed_plan(program, file, task, options, {});
+    return run_fixed_plan(file, task, options, {});
   };
   const ProgramResult chosen = planned(Feeds::choose), kept = planned(Feeds::keep);
   ASSERT_TRUE(kept.verification.feasible) << kept.message;
@@ -118,7 +118,7 @@ TEST(FastestPlan, LongProgramsAreNotSlowerThanAtKeptFeeds) {
   const Toolpath path = test::path_of(text, task.machine);
   ASSERT_GT(path.blocks(), several_plans_max);
   const auto planned = [&](Feeds feeds) {
-    const ProgramResult result = run_program("long", path, trapezoid(40, 10), task, false, feeds, {});
+    const ProgramResult result = run_program({"long", path, task, feeds}, trapezoid(40, 10));
     EXPECT_TRUE(result.verification.feasible) << result.message;
     return result;
   };

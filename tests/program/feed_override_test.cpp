@@ -76,7 +76,7 @@ TEST(FeedOverride, SaysInWordsWhatItBreaks) {
   task.machine = machine_of(1.0, unlimited, 0.5, 3);
   LineSource source("part.ngc", "G64 P0.05 F6000\nG1 X30\nG1 Y30\nM2\n");
   const Toolpath path = read_toolpath(source, task.machine, {});
-  const ProgramResult result = run_program("part.ngc", path, boxcar(99), task);
+  const ProgramResult result = run_program({"part.ngc", path, task}, boxcar(99));
   ASSERT_TRUE(result.verification.feasible) << result.message;
   ASSERT_GT(result.overrides[2].worst_utilisation, 1.0);
   const std::string text = program_summary(result);
@@ -141,7 +141,7 @@ TEST(ControlNeeds, AreThoseOfTheEmittedProgram) {
   const std::string text =
       "G64 P0.02 F25000\nG1 X30\nG1 Y60\nG61.1\nG1 X0\nG64 P0.02\nG1 Y80\nG2 X10 Y90 I10 J0\nG1 X50 F1000\nM2\n";
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
-    const ProgramResult result = run_program("a", path_of(text, task.machine), filter, task, false, feeds);
+    const ProgramResult result = run_program({"a", path_of(text, task.machine), task, feeds}, filter);
     ASSERT_TRUE(result.verification.feasible) << result.message;
     std::ostringstream out;
     emit_program(result, out);
@@ -166,7 +166,7 @@ TEST(ControlNeeds, ExactStopsNeedNoDelayOfTheCommand) {
   Task task;
   task.machine = machine_of(6.0, 500.0, 0.5, 3);
   const ProgramResult result =
-      run_program("a", path_of("G61.1 F6000\nG1 X30\nG1 Y60\nG1 X0\nM2\n", task.machine), trapezoid(40, 10), task);
+      run_program({"a", path_of("G61.1 F6000\nG1 X30\nG1 Y60\nG1 X0\nM2\n", task.machine), task}, trapezoid(40, 10));
   ASSERT_TRUE(result.verification.feasible) << result.message;
   EXPECT_EQ(control_needs(result), std::vector<std::string>{"filter all axes alike (41 taps)"});
 }

@@ -83,7 +83,7 @@ TEST(FilterBound, HoldsForTheProgramsMeasuredAgainstLinuxCNC) {
     LineSource source(entry.path());
     Toolpath path = read_toolpath(source, limits, {});
     {
-      const ProgramResult result = run_program("a", path, boxcar(99), task);
+      const ProgramResult result = run_program({"a", path, task}, boxcar(99));
       const double bound =
           filter_lower_bound(result.plan.path, program_machine(limits, path), task.sample_period).value();
       EXPECT_TRUE(result.verification.feasible) << entry.path();

@@ -96,7 +96,7 @@ TEST(ProgramLoads, OfOneMoveAreThoseOfTheClosedForm) {
   task.machine.power_total_max = task.machine.regeneration_total_max = 1e4;
   constexpr int n = 50;
   const ProgramResult result =
-      run_program("part.ngc", path_of("G1 X30 F6000\nM2\n", task), Filter(std::vector<double>(n, 1.0 / n)), task);
+      run_program({"part.ngc", path_of("G1 X30 F6000\nM2\n", task), task}, Filter(std::vector<double>(n, 1.0 / n)));
   ASSERT_TRUE(result.verification.feasible) << result.message;
   const std::string name = result.plan.path.axis_name(0);
   const double v = 0.1, a = v / (n * 1e-3), up = x.mass * a + x.coulomb, down = x.mass * a - x.coulomb;
@@ -143,7 +143,7 @@ TEST(ProgramLoads, PlansHoldEveryLimit) {
       SCOPED_TRACE(name + (feeds == Feeds::keep ? ", programmed feeds" : ", chosen feeds"));
       Task task = loaded_task();
       add(task);
-      const ProgramResult result = run_program("part.ngc", path_of(legs, task), trapezoid(70, 20), task, false, feeds);
+      const ProgramResult result = run_program({"part.ngc", path_of(legs, task), task, feeds}, trapezoid(70, 20));
       ASSERT_TRUE(result.verification.feasible) << result.message;
       const Moved moved(result, task);
       constexpr double rounding = 1.0 + 1e-7;
@@ -186,7 +186,7 @@ TEST(ProgramLoads, LimitsThatDoNotBindCostNothing) {
   for (Axis& axis : limited.machine.axes) axis.force_speed = {{0.0, 900.0}, {0.5, 800.0}}, axis.force_speed_max = 900.0;
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
     const auto time = [&](const Task& task) {
-      return run_program("part.ngc", path_of(legs, task), trapezoid(70, 20), task, false, feeds).cycle_time;
+      return run_program({"part.ngc", path_of(legs, task), task, feeds}, trapezoid(70, 20)).cycle_time;
     };
     EXPECT_EQ(time(free), time(limited));
   }
@@ -197,7 +197,7 @@ TEST(ProgramLoads, RatingsLowerFeeds) {
   Task task = loaded_task();
   const auto plan = [&](double rating, Feeds feeds) {
     for (Axis& axis : task.machine.axes) axis.force_rms_max = rating;
-    return run_program("part.ngc", path_of(legs, task), trapezoid(70, 20), task, false, feeds);
+    return run_program({"part.ngc", path_of(legs, task), task, feeds}, trapezoid(70, 20));
   };
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
     const ProgramResult hot = plan(unlimited, feeds);

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -137,7 +139,7 @@ TEST(Motion, OfACommandIsTheDirectOne) {
 TEST(Motion, OfATrajectoryEndsAtRest) {
   Task task;
   task.machine = machine(1.0, 1.0);
-  const ProgramResult result = run_profiles("a", path_of("G64 P0.05\nG1 F6000 X30\nY30\n", task.machine), task);
+  const ProgramResult result = run_profiles({"a", path_of("G64 P0.05\nG1 F6000 X30\nY30\n", task.machine), task});
   ASSERT_TRUE(result.verification.feasible) << result.message;
   Motion motion(result.plan, period);
   Sample sample, last;
@@ -146,6 +148,57 @@ TEST(Motion, OfATrajectoryEndsAtRest) {
   for (std::size_t a = 0; a < 2; ++a) {
     EXPECT_EQ(last.velocity[a], 0.0);
     EXPECT_NEAR(last.position[a], 0.03, 1e-15);
+  }
+}
+
+/// m, from a sample to the nearest of blocks first .. last.
+double off_blocks(const Toolpath& path, const Sample& sample, std::size_t first, std::size_t last) {
+  double nearest = unlimited;
+  for (std::size_t b = first; b <= std::min(last, path.blocks() - 1); ++b) {
+    const double *from = path.point(b), *to = path.point(b + 1);
+    double along = 0.0, length2 = 0.0, square = 0.0;
+    for (std::size_t a = 0; a < path.dimensions(); ++a) {
+      along += (sample.position[a] - from[a]) * (to[a] - from[a]);
+      length2 += (to[a] - from[a]) * (to[a] - from[a]);
+    }
+    const double part = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
+    for (std::size_t a = 0; a < path.dimensions(); ++a)
+      square += std::pow(from[a] + part * (to[a] - from[a]) - sample.position[a], 2);
+    nearest = std::min(nearest, std::sqrt(square));
+  }
+  return nearest;
+}
+
+// Between exact stops every sample is on its leg, and the other legs are elsewhere.
+TEST(Motion, OfASampleNamesTheBlocksThatItMayBeOn) {
+  Task task;
+  task.machine = machine(1.0, 1.0);
+  const Toolpath path = path_of("G4 P0.2\nG61.1 F6000\nG1 X30\nY20\nX10\nG4 P0.3\nY5\nX40\n", task.machine);
+  const ProgramResult fixed = run_program({"a", path, task}, trapezoid(40, 10)),
+                      profiles = run_profiles({"a", path, task});
+  Plan sampled = profiles.plan;
+  FreeMotion free;
+  Motion motion(profiles.plan, period);
+  Sample sample;
+  motion.next(sample);
+  for (std::size_t block = 0; motion.next(sample);) {
+    while (off_blocks(path, sample, block, block) > 1e-9 && block + 1 < path.blocks()) ++block;
+    free.position.insert(free.position.end(), sample.position.begin(),
+                         sample.position.begin() + static_cast<std::ptrdiff_t>(path.dimensions()));
+    free.block.push_back(static_cast<std::uint32_t>(block));
+  }
+  sampled.motion = Trajectory{{}, Filter({1.0}), free};
+  for (const Plan& plan : {fixed.plan, profiles.plan, sampled}) {
+    ASSERT_FALSE(plan.empty());
+    const std::size_t most = plan.command() != nullptr ? 1 : 3;  // a trajectory names one more on either side
+    Motion all(plan, period);
+    std::pair<std::size_t, std::size_t> blocks;
+    while (all.next(sample)) {
+      blocks = all.blocks();
+      ASSERT_LT(off_blocks(plan.path, sample, blocks.first, blocks.second), 1e-9) << "sample " << sample.number;
+      ASSERT_LE(blocks.second - blocks.first, most) << "sample " << sample.number;
+    }
+    EXPECT_GE(blocks.second, plan.path.blocks() - 1);
   }
 }
 

@@ -118,7 +118,7 @@ TEST(ProgramPath, ModesOfAxesAreHeldBehindEveryCorner) {
   const auto plan = [&](double bound) {
     mode.displacement_max = bound;
     task.machine.modes = {mode};
-    return run_program("part", read_path(turns, task), filter, task, false, Feeds::keep);
+    return run_program({"part", read_path(turns, task), task}, filter);
   };
   const ProgramResult loose = plan(1.0);
   const double found = use_of_kind(loose, LimitKind::residual)->value;
@@ -147,8 +147,7 @@ TEST(ProgramPath, ZeroTapsBehindTheFilterCalmNothing) {
   const Filter filter = trapezoid(60, 20);
   std::vector<double> longer(filter.taps().begin(), filter.taps().end());
   longer.resize(75, 0.0);
-  const ProgramResult result =
-      run_program("part", read_path("F6000\nG1 X40\nM2\n", task), Filter(longer), task, false, Feeds::keep);
+  const ProgramResult result = run_program({"part", read_path("F6000\nG1 X40\nM2\n", task), task}, Filter(longer));
   ASSERT_TRUE(result.verification.feasible) << result.message;
   const double left = residual_amplitude(filter, 0.0, 0.1, 0, 40.0, task.sample_period, 0.1);
   EXPECT_NEAR(use_of_kind(result, LimitKind::residual)->value, left, 1e-9 * left);
@@ -163,7 +162,7 @@ TEST(ProgramPath, ModesOfAxesLowerFeeds) {
   mode.displacement_max = 0.3 * residual_amplitude(trapezoid(60, 20), 0.0, 0.1, 0, 40.0, task.sample_period);
   task.machine.modes = {mode};
   const ProgramResult result =
-      run_program("part", read_path("G64 P0.05 F6000\nG1 Y40\nG1 X20\nM2\n", task), trapezoid(60, 20), task);
+      run_program({"part", read_path("G64 P0.05 F6000\nG1 Y40\nG1 X20\nM2\n", task), task}, trapezoid(60, 20));
   ASSERT_TRUE(result.verification.feasible) << result.message;
   EXPECT_LE(use_of_kind(result, LimitKind::residual)->utilisation, 1.0 + 1e-9);
   EXPECT_GT(result.cycle_time, 0.7);
@@ -181,7 +180,7 @@ TEST(ProgramPath, ContourIsHeldByEveryPlan) {
         Task task = path_task();
         for (Axis& axis : task.machine.axes) axis.servo_gain = gain;
         task.program_contour_max = bound;
-        const ProgramResult result = run_program("part", read_path(part, task), filter, task, false, feeds);
+        const ProgramResult result = run_program({"part", read_path(part, task), task, feeds}, filter);
         ASSERT_TRUE(result.verification.feasible) << result.message;
         const double most = farthest(positions(result.plan, task.sample_period, true), result.plan.path);
         const double said = use_of_kind(result, LimitKind::contour)->value;
@@ -222,7 +221,7 @@ TEST(ProgramPath, AxesThatDifferFollowTheirOwnLoops) {
       Task task = path_task();
       task.machine.axes[0].servo_gain = 300.0, task.machine.axes[1].servo_gain = 200.0;
       if (bound < unlimited) task.program_contour_max = bound;
-      const ProgramResult result = run_program("part", read_path(part, task), trapezoid(60, 20), task, false, feeds);
+      const ProgramResult result = run_program({"part", read_path(part, task), task, feeds}, trapezoid(60, 20));
       ASSERT_TRUE(result.verification.feasible) << result.message;
       const auto motion = followed(positions(result.plan, task.sample_period, false), task);
       const auto said = positions(result.plan, task.sample_period, true);

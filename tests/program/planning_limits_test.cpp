@@ -65,7 +65,7 @@ TEST(PlanningLimits, ProgrammedFeedsHaveNoTimeWhereTheirPlanWasNotFinished) {
   task.machine = test::machine_of(1.0, unlimited, 0.2, 3);
   const Toolpath path = test::path_of("G61 F12000\nG2 J36 P2\nM2\n", task.machine);
   const Deadline over(-1.0);
-  const ProgramResult result = run_program("a", path, Filter({0.5, 0.5}), task, false, Feeds::choose, over);
+  const ProgramResult result = run_program({"a", path, task, Feeds::choose, over}, Filter({0.5, 0.5}));
   EXPECT_TRUE(result.verification.feasible) << "with stops";
   EXPECT_FALSE(result.cycle_time_kept.has_value());
 }
@@ -81,17 +81,17 @@ TEST(PlanningLimits, AKnownPlanIsKeptWhenTheTimeEnds) {
   Toolpath path = test::path_of("G64 P0.06 F6000\nG1 X20\nG3 X20 Y20 J10\nG1 X0\nM2\n", task.machine);
   path.contour_max = 80e-6;
   const Filter filter = trapezoid(37, 13);
-  const ProgramResult whole = run_program("a", path, filter, task, false, Feeds::keep);
+  const ProgramResult whole = run_program({"a", path, task}, filter);
   ASSERT_TRUE(whole.verification.feasible) << whole.message;
   const Deadline over(-1.0);
   const KnownPlan plan{whole.plan.path.duration, whole.plan.command()->delays};
-  const ProgramResult known = run_program("a", path, filter, task, false, Feeds::choose, over, plan);
+  const ProgramResult known = run_program({"a", path, task, Feeds::choose, over}, filter, plan);
   EXPECT_TRUE(known.verification.feasible);
   EXPECT_EQ(known.check.samples, whole.check.samples);
   EXPECT_EQ(known.cycle_time_kept, known.cycle_time);
   // A plan that does not hold is no candidate.
   const KnownPlan wrong{plan.duration, std::vector<int>(plan.delays.size(), 0)};
-  const ProgramResult other = run_program("a", path, filter, task, false, Feeds::choose, over, wrong);
+  const ProgramResult other = run_program({"a", path, task, Feeds::choose, over}, filter, wrong);
   EXPECT_TRUE(other.verification.feasible) << other.message;
 }
 
@@ -118,14 +118,14 @@ TEST(PlanningLimits, ADeadlineEndsTheCheckOfSamples) {
   task.machine = slow_axis();
   task.machine.axes[0].acceleration_max = 2e-5;  // 50 s of speeding up are not steady
   const Toolpath path = test::path_of("G64 P0.05 F60\nG1 X100\nM2\n", task.machine);
-  const ProgramResult whole = run_profiles("a", path, task, {});
+  const ProgramResult whole = run_profiles({"a", path, task});
   EXPECT_TRUE(whole.verification.feasible);
   EXPECT_NEAR(static_cast<double>(whole.check.samples), 150.0 / 1e-4, 1e4);
   const std::atomic<bool> asked = true;
   Deadline ended;
   ended.end_when(asked);
   for (const auto& [deadline, who] : {std::pair(Deadline(-1.0), "the time limit"), std::pair(ended, "Ctrl-C")}) {
-    const ProgramResult cut = run_profiles("a", path, task, deadline);
+    const ProgramResult cut = run_profiles({"a", path, task, Feeds::choose, deadline});
     EXPECT_TRUE(cut.plan.empty());
     EXPECT_FALSE(cut.verification.feasible);
     EXPECT_EQ(cut.message, fmt::format("{} ended plan profiles before all its samples were checked", who));

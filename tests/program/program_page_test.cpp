@@ -19,7 +19,7 @@ ProgramResult planned(const std::string& text) {
   axis.acceleration_max = 1.0;
   task.machine.axes = {axis};
   LineSource source("test.ngc", text);
-  return run_profiles("test", read_toolpath(source, task.machine, {}), task);
+  return run_profiles({"test", read_toolpath(source, task.machine, {}), task});
 }
 
 TEST(TimeLost, IsWhatTheMotionTakesBeyondWayOverFeed) {
@@ -58,7 +58,7 @@ TEST(TimeLost, OfACornerCutShortIsLostAlongTheMotion) {
   Task task;
   task.sample_period = 1e-3;
   LineSource source("test.ngc", "G64 P10 F6000\nG1 X30\nG1 Y30\nM2\n");
-  const ProgramResult result = run_program("test", read_toolpath(source, {}, {}), boxcar(n - 1), task);
+  const ProgramResult result = run_program({"test", read_toolpath(source, {}, {}), task}, boxcar(n - 1));
   ASSERT_TRUE(result.verification.feasible) << result.message;
   ASSERT_EQ(result.delay_total, 0.0);
   double corner = 0.0;
@@ -125,7 +125,7 @@ TEST(TimeLost, LeavesOutDwells) {
     Task task;
     task.sample_period = 1e-3;
     LineSource source("test.ngc", text);
-    return run_program("test", read_toolpath(source, {}, {}), boxcar(20), task);
+    return run_program({"test", read_toolpath(source, {}, {}), task}, boxcar(20));
   };
   const auto compare = [&](const auto& plan) {
     const ProgramResult with = plan(dwells), without = plan(none);

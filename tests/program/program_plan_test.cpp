@@ -10,6 +10,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/delays/path_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/simulate/simulate.hpp>

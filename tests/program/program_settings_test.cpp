@@ -72,7 +72,7 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
     ProgramFileOptions options;
     options.fixed.feeds = feeds;
     ProgramFile file = read_program_file(program, task, options, {});
-    const ProgramResult result = run_fixed_plan(program, file, task, options, {});
+    const ProgramResult result = run_fixed_plan(file, task, options, {});
     ASSERT_TRUE(result.verification.feasible) << result.message;
     ASSERT_TRUE(result.settings && result.settings->chosen.width);
     const Toolpath& path = result.plan.path;
@@ -110,7 +110,7 @@ TEST(ProgramSettings, TunedCurvesAreNoSlowerThanUntunedOnesWithTheDelaysOfAWidth
     const double untuned = planned(path, filter, task);
     if (!(untuned < 4000.0)) continue;
     ++held;
-    const ProgramResult result = run_program("raster.ngc", path, filter, task, false, Feeds::keep, {});
+    const ProgramResult result = run_program({"raster.ngc", path, task}, filter);
     EXPECT_TRUE(result.verification.feasible) << result.message;
     EXPECT_LE(result.cycle_time, untuned * task.sample_period * (1.0 + 1e-9)) << width;
   }

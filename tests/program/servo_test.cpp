@@ -129,8 +129,7 @@ TEST(ProgramServo, ErrorsAndLoadsAreThoseOfTheLoop) {
   for (const auto& [gain, feedforward] : std::map<double, double>{{200.0, 0.0}, {100.0, 0.7}, {400.0, 0.0}}) {
     for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
       const Task task = servo_task(gain, feedforward);
-      const ProgramResult result =
-          run_program("part", test::path_of(servo_part, task.machine), filter, task, false, feeds);
+      const ProgramResult result = run_program({"part", test::path_of(servo_part, task.machine), task, feeds}, filter);
       ASSERT_TRUE(result.verification.feasible) << result.message;
       ASSERT_TRUE(result.servo);
       const auto command = samples_of(result.plan, task.sample_period, false);
@@ -166,8 +165,7 @@ TEST(ProgramServo, OvershootsAreThoseOfTheLoop) {
     ASSERT_LT(*std::ranges::min_element(task.machine.axes[a].response_taps), -0.001);
   }
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
-    const ProgramResult result =
-        run_program("part", test::path_of(servo_part, task.machine), filter, task, false, feeds);
+    const ProgramResult result = run_program({"part", test::path_of(servo_part, task.machine), task, feeds}, filter);
     ASSERT_TRUE(result.verification.feasible) << result.message;
     auto rows = samples_of(result.plan, task.sample_period, false);
     rows.insert(rows.end(), 300, rows.back());
@@ -198,7 +196,7 @@ TEST(ProgramServo, CostsTime) {
   const auto time = [&](double gain) {
     const Task task = servo_task(gain, 0.0);
     const ProgramResult result =
-        run_program("part", test::path_of(servo_part, task.machine), filter, task, false, Feeds::choose);
+        run_program({"part", test::path_of(servo_part, task.machine), task, Feeds::choose}, filter);
     EXPECT_TRUE(result.verification.feasible) << gain << result.message;
     return result.cycle_time;
   };

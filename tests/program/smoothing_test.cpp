@@ -52,9 +52,9 @@ void plan_as_one_filter(const Filter& set) {
   const std::vector<double> own(set.taps().begin(), set.taps().end());
   for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
     const Task with = task_with(spread), without = task_with({});
-    const ProgramResult smoothed = run_program("part", test::path_of(part, with.machine), set, with, false, feeds);
+    const ProgramResult smoothed = run_program({"part", test::path_of(part, with.machine), with, feeds}, set);
     const ProgramResult one =
-        run_program("part", test::path_of(part, without.machine), Filter(through(own, spread)), without, false, feeds);
+        run_program({"part", test::path_of(part, without.machine), without, feeds}, Filter(through(own, spread)));
     ASSERT_TRUE(smoothed.verification.feasible) << smoothed.message;
     EXPECT_EQ(smoothed.cycle_time, one.cycle_time);
     ASSERT_EQ(smoothed.errors.size(), one.errors.size());

@@ -41,9 +41,9 @@ std::vector<ProgramResult> plans_of(const std::string& text) {
   for (const double jerk : {unlimited, 50.0}) {
     const Task task = task_of(1.0, jerk);
     const Toolpath path = test::path_of(text, task.machine);
-    plans.push_back(run_program("a", path, trapezoid(110, 40), task));
-    plans.push_back(run_program("a", path, trapezoid(110, 40), task, false, Feeds::choose));
-    plans.push_back(run_profiles("a", path, task));
+    plans.push_back(run_program({"a", path, task}, trapezoid(110, 40)));
+    plans.push_back(run_program({"a", path, task, Feeds::choose}, trapezoid(110, 40)));
+    plans.push_back(run_profiles({"a", path, task}));
   }
   return plans;
 }
@@ -105,7 +105,7 @@ TEST(SteadyMotion, LosesTheSameTimeAtEachJoint) {
 TEST(SteadyMotion, IsCheckedAsItsSamplesAre) {
   for (const double jerk : {unlimited, 50.0}) {
     const Task task = task_of(1.0, jerk);
-    const ProgramResult result = run_profiles("a", test::path_of(moves, task.machine), task);
+    const ProgramResult result = run_profiles({"a", test::path_of(moves, task.machine), task});
     const Toolpath& path = result.plan.path;
     const Trajectory& trajectory = *result.plan.trajectory();
     const Machine machine = program_machine(task.machine, path);
@@ -123,7 +123,7 @@ TEST(SteadyMotion, IsCheckedAsItsSamplesAre) {
 
 TEST(SteadyMotion, PicturesKeepTheEndsOfWhatIsPassedOver) {
   const Task task = task_of(1.0, unlimited);
-  const ProgramResult result = run_profiles("a", test::path_of(moves, task.machine), task);
+  const ProgramResult result = run_profiles({"a", test::path_of(moves, task.machine), task});
   const std::vector<Seen> some = samples_of(result, Steady::passed);
   const std::vector<std::int64_t> drawn = drawn_samples(motion_of(result), 200);
   EXPECT_LE(drawn.size(), 600U);

@@ -58,26 +58,23 @@ struct Plans {
 /// The plans of a program. Each that holds all limits is kept.
 class Planner {
  public:
-  Planner(const std::string& name, const ProgramFile& file, const Task& task,
-          const std::function<void(const std::string&)>& tell)
-      : name_(name), file_(file), task_(task), tell_(tell) {
+  Planner(const ProgramFile& file, const Task& task, const std::function<void(const std::string&)>& tell)
+      : file_(file), task_(task), tell_(tell) {
     if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path)))
       bound_ = corner_bound_of(file.path, task);
   }
 
   void fixed() {
-    FixedPlan plan{file_, {}};
-    plan.result = run_fixed_plan(name_, plan.file, task_, {}, tell_);
-    const bool holds = plan.result.verification.feasible;
+    ProgramResult plan = run_fixed_plan(file_, task_, {}, tell_);
+    const bool holds = plan.verification.feasible;
     const double chords = file_.reading.read.arc_tolerance;
-    if (holds && bound_)
-      plan.result.corner_bound = corner_bound_as_read(*bound_, chords, name_, plan.file, task_, tip_options());
-    keep("fixed", plan.result);
+    if (holds && bound_) plan.corner_bound = corner_bound_as_read(*bound_, chords, plan, task_, tip_options());
+    keep("fixed", plan);
     if (holds) fixed_ = std::move(plan);
   }
   void profiles() {
     try {
-      ProgramResult result = plan_profiles_of(name_, file_.path, task_);
+      ProgramResult result = plan_profiles_of({file_.name, file_.path, task_});
       result.corner_bound = bound_;
       keep("profiles", std::move(result));
     } catch (const std::invalid_argument& error) {
@@ -90,8 +87,7 @@ class Planner {
   void free(double seconds) {
     ProgramFileOptions options;
     options.deadline = Deadline(seconds);
-    ProgramFile copy = file_;
-    ProgramResult best = run_free_plan(name_, copy, task_, options, tell_, std::move(fixed_));
+    ProgramResult best = run_free_plan(file_, task_, options, tell_, std::move(fixed_));
     // If no window gives way, the answer is the plan it began with.
     if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free())
       keep("free", std::move(best));
@@ -117,12 +113,11 @@ class Planner {
     plans_.others.push_back(fmt::format("Plan {} {}: {}.", plan, what, why));
   }
 
-  const std::string& name_;
   const ProgramFile& file_;
   const Task& task_;
   const std::function<void(const std::string&)>& tell_;
   std::optional<CornerBound> bound_;
-  std::optional<FixedPlan> fixed_;  ///< if it holds
+  std::optional<ProgramResult> fixed_;  ///< if it holds
   Plans plans_;
 };
 
@@ -248,7 +243,7 @@ std::string program_start_json(const std::string& name, const Task& task, double
     program["colours"].push_back(figure_style::colours.at(static_cast<std::size_t>(styles[i])));
   }
   program["other"] = binding_name(-1);
-  Planner planner(name, file, task, tell);
+  Planner planner(file, task, tell);
   planner.fixed();
   planner.profiles();
   if (free_seconds > 0.0) planner.free(free_seconds);

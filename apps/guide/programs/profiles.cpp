@@ -5,12 +5,11 @@
 
 int main() {
   using namespace accdec;
-  const std::string name = "problems/program/zigzag.ngc";
   const Task task = read_task("problems/program/mill.toml", {.require_corners = false});
   ProgramFileOptions options;
   options.plan = PlanKind::profiles;  // or one filter, if that is faster
-  ProgramFile read = read_program_file(name, task, options, {});
-  const ProgramResult fastest = run_program_file(name, read, task, options, {});
+  const ProgramFile read = read_program_file("problems/program/zigzag.ngc", task, options, {});
+  const ProgramResult fastest = run_program_file(read, task, options, {});
   std::printf("%s: %.4f s\n", fastest.plan.name(), fastest.cycle_time);
   for (const PlanTime& other : fastest.candidates) std::printf("%s: %.4f s\n", other.plan.c_str(), other.time);
 }

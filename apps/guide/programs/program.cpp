@@ -5,14 +5,15 @@
 
 int main() {
   using namespace accdec;
-  const std::string name = "problems/program/zigzag.ngc";
-  const Task task = read_task("problems/program/mill.toml", {.require_corners = false});
+  PlanningProblem problem;
+  problem.program = "problems/program/zigzag.ngc";
+  problem.task = read_task("problems/program/mill.toml", {.require_corners = false});
   ToolpathOptions reading;
   reading.clamp_feeds = true;  // feeds are upper bounds
-  LineSource source{std::filesystem::path(name)};
-  const Toolpath path = read_toolpath(source, task.machine, reading);
-  const Filter filter = make_filter(task.filter.value());
-  const ProgramResult result = run_program(name, path, filter, task, false, Feeds::choose);
+  LineSource source{std::filesystem::path(problem.program)};
+  problem.path = read_toolpath(source, problem.task.machine, reading);
+  problem.feeds = Feeds::choose;
+  const ProgramResult result = run_program(problem, make_filter(problem.task.filter.value()));
   std::cout << to_string(result.status) << ": " << result.cycle_time << " s, with exact stops "
             << result.cycle_time_exact_stop.value() << " s\n";
 }

@@ -79,7 +79,7 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
     if not isinstance(controls, (list, tuple)):
         raise arguments.wrong("estimate", "must be a list of controls", estimate, TypeError)
     for control in controls:
-        arguments.one_of("estimate", control, ("klipper", "grbl", "linuxcnc-2.9"))
+        arguments.one_of("estimate", control, _core.estimated_controls())
     if not isinstance(estimate_options, (Mapping, type(None))):
         raise arguments.wrong("estimate_options", "must be a dict of numbers", estimate_options, TypeError)
     options = {str(name): arguments.real(f"estimate_options[{name!r}]", value)
@@ -88,7 +88,7 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         raise ValueError("estimate_options needs estimate")
     if controls and dwells_before_filter:
         raise ValueError("estimate excludes dwells_before_filter: other controls stop for G4")
-    arguments.one_of("plan", plan, ("fixed", "profiles", "free"))
+    arguments.one_of("plan", plan, _core.plan_names())
     keep = arguments.one_of("feeds", feeds, ("choose", "keep")) == "keep"
     given = locals()
     flags = {name: arguments.flag(name, given[name]) for name in _FLAGS}

@@ -62,7 +62,7 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
         Toolpath programmed = read.path;
         std::vector<ControlEstimate> estimated =
             estimate_times(programmed, task->machine, estimates.controls, estimates.given);
-        ProgramResult found = run_program_file(file, read, *task, asked, teller(work));
+        ProgramResult found = run_program_file(std::move(read), *task, asked, teller(work));
         found.estimates = std::move(estimated);
         *result = std::make_shared<Program>(std::move(found), std::move(programmed), task->machine);
       },
@@ -342,6 +342,8 @@ void bind_program(py::module_& module) {
       py::arg("time_limit"), py::arg("rapid_stops"), py::arg("dwells_before_filter"), py::arg("filter_bound"),
       py::arg("compensate_arcs"), py::arg("tool_table"), py::arg("tool_length"), py::arg("estimate"),
       py::arg("estimate_options"), py::arg("progress"));
+  module.def("plan_names", &plan_names);
+  module.def("estimated_controls", &estimated_controls);
   module.def(
       "program_drawing",
       [](const Pointer& result, const std::string& format) {

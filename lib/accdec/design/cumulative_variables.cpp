@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/cumulative_variables.hpp>
+#include <accdec/motion/convolved.hpp>
 
 namespace accdec {
 
@@ -66,12 +67,7 @@ CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int orde
 }
 
 std::vector<double> motion_taps(const Response& response, std::size_t axis) {
-  const std::vector<double> first = response.prefilter(), second = response.servo(axis);
-  std::vector<double> taps(first.size() + second.size() - 1, 0.0);
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    for (std::size_t j = 0; j < second.size(); ++j) taps[i + j] += first[i] * second[j];
-  }
-  return taps;
+  return convolved(response.prefilter(), response.servo(axis));
 }
 
 }  // namespace accdec

@@ -23,7 +23,9 @@
 namespace accdec {
 namespace {
 
-/// Whether one corner holds its axis limits, its error and its smallest speed at a delay, as the simulation sees it.
+/// Whether one corner holds its limits at a delay, as the simulation sees it. Smaller delays than the result's count as
+/// proved not to hold. So the simulation decides where the formulas of BlendCheck are close to a bound; a search of
+/// filters claims nothing by them and needs one slack only.
 class CornerCheck {
  public:
   /// @param simulate  whether even what the formulas are sure of is simulated  @param limits  of the filter
@@ -35,88 +37,34 @@ class CornerCheck {
         behind_(behind),
         limits_(limits),
         simulate_(simulate),
-        legs_(corner.geometry()) {}
+        blend_(behind, corner, task, limits) {}
 
   bool holds(int delay) {
     const Verdict verdict = simulate_ ? Verdict::close : by_formula(delay);
     return verdict == Verdict::close ? simulated(delay).feasible : verdict == Verdict::held;
   }
-  /// The limit that is broken at a delay that does not hold.
+  /// The limit that is broken at a delay that does not hold: the first if formulas refused it, otherwise the worst.
   std::string broken(int delay) const {
-    // The formula of all uses at once is of a machine without a response.
+    std::vector<LimitUse> uses;
+    const VerificationReport report = simulated(delay, &uses);
     if (!simulate_ && behind_.ideal()) {
-      for (const LimitUse& use : uses(delay)) {
+      for (const LimitUse& use : uses) {
         if (verdict_by_formula(use.utilisation) == Verdict::broken) return describe(use);
       }
     }
-    return simulated(delay).worst;
+    return report.worst;
   }
 
  private:
-  VerificationReport simulated(int delay) const {
-    return verify_by_simulation(corner_alone(task_, corner_), filter_, {delay});
+  VerificationReport simulated(int delay, std::vector<LimitUse>* uses = nullptr) const {
+    return verify_by_simulation(corner_alone(task_, corner_), filter_, {delay}, uses);
   }
-  /// By the blend formulas, for speed.
   Verdict by_formula(int delay) {
-    Verdict verdict = axes_by_formula(delay);
-    if (verdict == Verdict::broken) return verdict;
-    for (const LimitUse& use : corner_uses(delay)) {
-      const Verdict here = verdict_by_formula(use.utilisation);
-      if (here == Verdict::broken) return here;
-      if (here == Verdict::close) verdict = here;
-    }
-    return verdict;
+    if (formulas_hold(delay, surely_granted)) return Verdict::held;
+    return formulas_hold(delay, 1.0 + granted_tolerance) ? Verdict::close : Verdict::broken;
   }
-  Verdict axes_by_formula(int delay) {
-    if (axes_hold(delay, surely_granted)) return Verdict::held;
-    return axes_hold(delay, 1.0 + granted_tolerance) ? Verdict::close : Verdict::broken;
-  }
-  bool axes_hold(int delay, double slack) {
-    const double *in = legs_.in.data(), *out = legs_.out.data(), *rest = legs_.rest.data();
-    return limits_.holds(in, out, delay, slack, &hint_) && limits_.holds(rest, in, 0, slack) &&
-           limits_.holds(out, rest, 0, slack);
-  }
-  /// Its error and its smallest speed.
-  std::vector<LimitUse> corner_uses(int delay) const {
-    std::vector<LimitUse> uses;
-    const CornerMeasures measures = measure(behind_, corner_.geometry(), delay, task_.sample_period);
-    const auto add = [&](LimitKind kind, double value, double bound, int sample) {
-      uses.push_back({kind, "", corner_.name, Event::blend, value, bound, utilisation_of(kind, value, bound), sample});
-    };
-    if (corner_.error_max)
-      add(LimitKind::corner_error, judged_distance(measures.corner_error), *corner_.error_max,
-          measures.corner_error_sample);
-    if (corner_.contour_max)
-      add(LimitKind::contour, judged_distance(measures.contour_deviation), *corner_.contour_max, 0);
-    if (corner_.speed_min > 0.0)
-      add(LimitKind::speed_min, measures.speed_min, corner_.speed_min, measures.speed_min_sample);
-    for (const Mode& mode : task_.machine.modes) {
-      if (mode.of_axis()) add_residuals(mode, delay, uses);
-    }
-    return uses;
-  }
-  /// Uses of a mode of one axis, at all three events.
-  void add_residuals(const Mode& mode, int delay, std::vector<LimitUse>& uses) const {
-    const auto a = static_cast<std::size_t>(mode.axis);
-    const double in = legs_.in[a], out = legs_.out[a];
-    const auto add = [&](Event event, double v1, double v2, int d) {
-      LimitUse use = residual_utilisation(limits_.command(), v1, v2, d, task_.sample_period, mode);
-      use.axis = task_.machine.axes[a].name, use.corner = corner_.name, use.event = event;
-      uses.push_back(std::move(use));
-    };
-    add(Event::start, 0.0, in, 0);
-    if (in != 0.0 && out != 0.0)
-      add(Event::blend, in, out, delay);
-    else
-      add(Event::blend, 0.0, in + out, 0);
-    add(Event::stop, out, 0.0, 0);
-  }
-  /// All of them, to name one.
-  std::vector<LimitUse> uses(int delay) const {
-    std::vector<LimitUse> all =
-        axis_utilisation(filter_, corner_.geometry(), delay, task_.sample_period, task_.machine, corner_.name);
-    for (LimitUse& use : corner_uses(delay)) all.push_back(std::move(use));
-    return all;
+  bool formulas_hold(int delay, double slack) {
+    return blend_.holds(delay, slack) && ramps_hold(limits_, blend_.legs(), slack);
   }
 
   const Task& task_;
@@ -125,8 +73,7 @@ class CornerCheck {
   const FilterBehind& behind_;
   const BlendLimits& limits_;
   bool simulate_;
-  LegVelocities legs_;
-  int hint_ = 0;
+  BlendCheck blend_;
 };
 
 /// The delays of the corners found so far.

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include <accdec/design/fit_window.hpp>
+#include <accdec/motion/convolved.hpp>
 #include <accdec/nlp/nonnegative.hpp>
 
 namespace accdec {
@@ -37,13 +38,7 @@ double part_moved(const std::vector<double>& reached, int m, int count, bool las
 }
 
 Filter behind(const Filter& filter, const Filter& smoothing) {
-  if (smoothing.order() == 0) return filter;
-  std::vector<double> taps(static_cast<std::size_t>(filter.order() + smoothing.order()) + 1, 0.0);
-  for (int i = 0; i <= filter.order(); ++i) {
-    for (int j = 0; j <= smoothing.order(); ++j)
-      taps[static_cast<std::size_t>(i) + static_cast<std::size_t>(j)] += filter.tap(i) * smoothing.tap(j);
-  }
-  return Filter(std::move(taps));
+  return smoothing.order() == 0 ? filter : Filter(convolved(filter.taps(), smoothing.taps()));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <accdec/design/standard_shapes.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
+#include <accdec/motion/least_held.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -72,10 +73,7 @@ class StandardShapes {
       low = high;
       high = std::min(last, high + step);
     }
-    while (high - low > 1 && !stop_()) {
-      const int middle = low + (high - low) / 2;
-      (offer(member, middle) ? high : low) = middle;
-    }
+    high = least_held(low, high, [&](int order) { return stop_() || offer(member, order); });
     // A longer filter may need shorter delays.
     for (int i = 1; i <= 4 && !stop_(); ++i) {
       if (const int order = high + i * std::max(1, high / 12); order <= last) offer(member, order);

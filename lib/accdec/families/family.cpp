@@ -5,6 +5,7 @@
 
 #include <accdec/family.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/motion/windows.hpp>
 
 namespace accdec {
 namespace {
@@ -37,23 +38,18 @@ const RealParameter time_constants{
       spec.ratio = std::min(std::exp(-value / std::max(1, spec.order)), exponential_ratio_max);
     }};
 
-const RealParameter alpha{zero, gaussian_alpha_max, false,
-                          [](int order, double value) {
-                            return taps_of(order, [=](int i) {
-                              const double z = value * 2.0 * (i - 0.5 * order) / order;
-                              return std::exp(-0.5 * z * z);
-                            });
-                          },
-                          [](FilterSpec& spec, double value) { spec.alpha = value; }};
+const RealParameter alpha{
+    zero, gaussian_alpha_max, false,
+    [](int order, double value) { return taps_of(order, [=](int i) { return gaussian_window(i, order, value); }); },
+    [](FilterSpec& spec, double value) { spec.alpha = value; }};
 
 /// A sinc's cut-off times its order: 2 puts its first zeros on the window's ends.
 const RealParameter cutoff{zero, 2.0, true,
                            [](int order, double value) {
                              return taps_of(order, [=](int i) {
-                               const double turn = 2.0 * pi * i / order, y = pi * value * (i - 0.5 * order) / order;
-                               const double window =
-                                   std::max(0.0, 0.42 - 0.5 * std::cos(turn) + 0.08 * std::cos(2.0 * turn));
-                               return window * (y == 0.0 ? 1.0 : std::max(0.0, std::sin(y) / y));
+                               const double y = pi * value * (i - 0.5 * order) / order;
+                               return std::max(0.0, blackman_window(i, order)) *
+                                      (y == 0.0 ? 1.0 : std::max(0.0, std::sin(y) / y));
                              });
                            },
                            [](FilterSpec& spec, double value) { spec.cutoff = value / spec.order; }};

@@ -8,6 +8,7 @@
 #include <accdec/files/refused_key.hpp>
 #include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/motion/convolved.hpp>
 
 namespace accdec {
 namespace {
@@ -37,14 +38,6 @@ std::vector<double> scaled(std::vector<double> taps) {
   if (!(std::abs(sum - 1.0) < 1e-6))
     throw std::invalid_argument(fmt::format("the taps of a response have the sum {:.10g}, allowed is 1", sum));
   for (double& tap : taps) tap /= sum;
-  return taps;
-}
-
-std::vector<double> convolved(std::span<const double> a, std::span<const double> b) {
-  std::vector<double> taps(a.size() + b.size() - 1, 0.0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) taps[i + j] += a[i] * b[j];
-  }
   return taps;
 }
 

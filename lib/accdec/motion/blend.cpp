@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/corner.hpp>
+#include <accdec/motion/least_held.hpp>
 #include <accdec/motion/leg_distance.hpp>
 
 namespace accdec {
@@ -105,16 +106,8 @@ CornerMeasures measure(const Blend& blend) {
 double corner_error(const Blend& blend) {
   // Find the smallest k whose successor is not nearer. Equal neighbours occur only where the motion rests (exact stop),
   // and there the distance is the minimum, 0.
-  int low = blend.first_sample(), high = blend.last_sample();
-  while (low < high) {
-    const int middle = low + (high - low) / 2;
-    if (blend.distance(middle) <= blend.distance(middle + 1)) {
-      high = middle;
-    } else {
-      low = middle + 1;
-    }
-  }
-  return blend.distance(low);
+  return blend.distance(least_held(blend.first_sample() - 1, blend.last_sample(),
+                                   [&](int k) { return blend.distance(k) <= blend.distance(k + 1); }));
 }
 
 }  // namespace accdec

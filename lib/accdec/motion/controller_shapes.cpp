@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <accdec/filter.hpp>
+#include <accdec/motion/windows.hpp>
 
 namespace accdec {
 namespace {
@@ -97,16 +98,18 @@ Filter exponential(int order, double ratio) {
   return Filter(std::move(taps));
 }
 
+double gaussian_window(int i, int order, double alpha) {
+  // Measured from the nearer end.
+  const double x = alpha * (1.0 - 2.0 * std::min(i, order - i) / static_cast<double>(order));
+  return std::exp(-0.5 * x * x);
+}
+
 Filter gaussian(int order, double alpha) {
   if (order < 1) throw std::invalid_argument(fmt::format("gaussian needs order >= 1, got {}", order));
   if (!(alpha >= 0.0 && alpha <= gaussian_alpha_max))
     throw std::invalid_argument(fmt::format("gaussian needs 0 <= alpha <= {}, got {}", gaussian_alpha_max, alpha));
   std::vector<double> taps;
-  for (int i = 0; i <= order; ++i) {
-    // Measured from the nearer end, so that the taps are symmetric to the last bit.
-    const double x = alpha * (1.0 - 2.0 * std::min(i, order - i) / static_cast<double>(order));
-    taps.push_back(std::exp(-0.5 * x * x));
-  }
+  for (int i = 0; i <= order; ++i) taps.push_back(gaussian_window(i, order, alpha));
   return Filter(std::move(taps));
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/filter.hpp>
+#include <accdec/motion/windows.hpp>
 
 namespace accdec {
 namespace {
@@ -29,12 +30,12 @@ Filter symmetric_filter(int order, Shape shape) {
   return Filter(std::move(taps));
 }
 
+}  // namespace
+
 double blackman_window(int i, int order) {
   const double x = 2.0 * pi * i / order;
   return 0.42 - 0.5 * std::cos(x) + 0.08 * std::cos(2.0 * x);
 }
-
-}  // namespace
 
 Filter boxcar(int order) {
   require_order("boxcar", order, 0);

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <deque>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <accdec/simulate.hpp>
@@ -10,8 +12,8 @@
 
 namespace accdec {
 
-/// A kind of plan, sample by sample. `next` gives one sample, false after the last. `pass_steady` passes over samples
-/// that change nothing: at rest or at constant velocity.
+/// A kind of plan, sample by sample. `next` gives one sample, false after the last. `blocks` says where that may be.
+/// `pass_steady` passes over samples that change nothing: at rest or at constant velocity.
 class Motion::Source {
  public:
   Source() = default;
@@ -19,6 +21,7 @@ class Motion::Source {
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
   virtual bool next(Sample& sample) = 0;
+  virtual std::pair<std::size_t, std::size_t> blocks() const = 0;
   virtual void pass_steady() = 0;
 };
 
@@ -30,14 +33,29 @@ struct Stretch {
   std::int64_t count = 0;
 };
 
-/// The commands of one run, from emit_commands.
-struct Stretches {
-  std::vector<Stretch>& all;
-  void command(const AxisRow<0>& u0, const AxisRow<0>& u, std::int64_t count, const AxisRow<0>& end) const {
-    all.push_back({u0, u, end, count});
-  }
-  void joint(std::size_t /*block*/, double /*time*/, std::int64_t /*rest*/) const {}
+/// The first and the last sample in which a filtered command may be at a joint.
+struct JointSamples {
+  std::int64_t first, last;
 };
+
+/// The commands of one run, from emit_commands.
+struct RunSink {
+  std::vector<Stretch>& stretches;
+  std::deque<JointSamples>& joints;
+  std::int64_t begin, longer;  // the run's first sample; samples by which the filter is behind
+  void command(const AxisRow<0>& u0, const AxisRow<0>& u, std::int64_t count, const AxisRow<0>& end) const {
+    stretches.push_back({u0, u, end, count});
+  }
+  void joint(std::size_t /*block*/, double time, std::int64_t rest) const {
+    const std::int64_t first = begin + static_cast<std::int64_t>(time);
+    joints.push_back({first, first + rest + longer});
+  }
+};
+
+/// One block more on either side: the samples of a trajectory round off its corners.
+std::pair<std::size_t, std::size_t> with_neighbours(std::size_t first, std::size_t last) {
+  return {first > 0 ? first - 1 : 0, last + 1};
+}
 
 }  // namespace
 
@@ -50,9 +68,11 @@ class Motion::FilteredSource : public Source {
         period_(period),
         timing_(path, period, command.delays),
         buffer_(filters, n_, path.point(0)),
-        last_(motion_samples(timing_, *std::ranges::max_element(filters, {}, &Filter::order))) {
+        longest_(*std::ranges::max_element(filters, {}, &Filter::order)),
+        last_(motion_samples(timing_, longest_)),
+        begin_(timing_.dwell_samples(path.dwell_first)) {
     std::copy_n(path.point(0), n_, at_.begin());
-    rest(timing_.dwell_samples(path.dwell_first));
+    rest(begin_);
   }
 
   bool next(Sample& sample) override {
@@ -71,6 +91,14 @@ class Motion::FilteredSource : public Source {
     }
     ++number_;
     return true;
+  }
+
+  std::pair<std::size_t, std::size_t> blocks() const override {
+    const std::int64_t now = number_ - 1;
+    const auto left = std::ranges::partition_point(joints_, [&](const JointSamples& j) { return j.last < now; });
+    const auto reached = std::ranges::partition_point(joints_, [&](const JointSamples& j) { return j.first < now; });
+    return {left_ + static_cast<std::size_t>(left - joints_.begin()),
+            left_ + static_cast<std::size_t>(reached - joints_.begin())};
   }
 
   void pass_steady() override {
@@ -114,13 +142,17 @@ class Motion::FilteredSource : public Source {
     stretches_.clear();
     next_ = 0;
     if (run_ == path_.blocks()) return rest(std::max<std::int64_t>(1, buffer_.room()));
+    for (; !joints_.empty() && joints_.front().last < number_ - 1; joints_.pop_front()) ++left_;
     const std::size_t end = timing_.run_end(run_);
-    Stretches sink{stretches_};
+    RunSink sink{stretches_, joints_, begin_, longest_.order() + 2};
     emit_commands<0>(timing_, run_, end, sink);
+    const std::int64_t count = CommandTiming::run_samples(timing_.run_length(run_, end));
     std::int64_t pause = end + 1 < path_.blocks() ? timing_.delay(end) : 0;
     for (; dwell_ < path_.dwell.size() && path_.dwell[dwell_].first <= end; ++dwell_)
       pause += timing_.dwell_samples(path_.dwell[dwell_].second);
     rest(pause);
+    if (end + 1 < path_.blocks()) sink.joint(end, static_cast<double>(count), pause);
+    begin_ += count + pause;
     run_ = end + 1;
   }
 
@@ -129,12 +161,16 @@ class Motion::FilteredSource : public Source {
   const double period_;
   const CommandTiming timing_;
   MotionBuffer buffer_;
+  const Filter& longest_;
   const std::int64_t last_;
+  std::int64_t begin_;       // of the next run
   std::int64_t number_ = 0;  // of the next sample
   AxisRow<0> at_{};          // where the command has come to
   AxisRow<0> moving_{};      // by what the command moved last
   std::vector<Stretch> stretches_;
   std::size_t next_ = 0, run_ = 0, dwell_ = 0;
+  std::deque<JointSamples> joints_;  // of the run and what the filter sees before it
+  std::size_t left_ = 0;             // joints before these
 };
 
 /// The ramps and corners of plan `profiles`, behind its last filter.
@@ -158,6 +194,10 @@ class Motion::TrajectorySource : public Source {
     }
     before_ = sample.position;
     return true;
+  }
+  std::pair<std::size_t, std::size_t> blocks() const override {
+    return with_neighbours(static_cast<std::size_t>(motion_.place_first() / 2),
+                           static_cast<std::size_t>(motion_.place_last() / 2));
   }
   void pass_steady() override {
     const std::int64_t passed = motion_.pass_steady();
@@ -197,6 +237,12 @@ class Motion::SampledSource : public Source {
     ++number_;
     return true;
   }
+  std::pair<std::size_t, std::size_t> blocks() const override {
+    const auto count = static_cast<std::int64_t>(motion_.block.size());
+    const std::int64_t sample = std::clamp<std::int64_t>(number_ - 1, 1, count);
+    const std::size_t block = motion_.block[static_cast<std::size_t>(sample - 1)];
+    return with_neighbours(block, block);
+  }
   void pass_steady() override {}
 
  private:
@@ -222,6 +268,9 @@ Motion::~Motion() = default;
 
 bool Motion::next(Sample& sample) {
   return source_->next(sample);
+}
+std::pair<std::size_t, std::size_t> Motion::blocks() const {
+  return source_->blocks();
 }
 void Motion::pass_steady() {
   source_->pass_steady();

@@ -45,6 +45,12 @@ std::optional<int> first_delay(int from, int last, const Holds& holds, const End
 /// is left with. There it is a period of the slowest mode more, and longer delays may hold what none up to it does.
 int last_delay(const Task& task, int motion_order);
 
+/// Whether a corner's start from rest and its stop hold their limits. Delays do not change this.
+inline bool ramps_hold(const BlendLimits& limits, const LegVelocities& legs, double slack) {
+  return limits.holds(legs.rest.data(), legs.in.data(), 0, slack) &&
+         limits.holds(legs.out.data(), legs.rest.data(), 0, slack);
+}
+
 /// Checks one corner's blend for one delay after another.
 class BlendCheck {
  public:
@@ -52,11 +58,13 @@ class BlendCheck {
   BlendCheck(const FilterBehind& behind, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
       : behind_(behind), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
-  bool holds(int delay) {
+  /// @param slack  factor on the bounds
+  bool holds(int delay, double slack = formula_slack) {
     // The error first: it takes a few samples, the limits all of them, and most time.
-    return error_holds(delay) && speed_holds(delay) && contour_holds(delay) &&
-           limits_.holds(legs_.in.data(), legs_.out.data(), delay, formula_slack, &hint_);
+    return error_holds(delay, slack) && speed_holds(delay, slack) && contour_holds(delay, slack) &&
+           limits_.holds(legs_.in.data(), legs_.out.data(), delay, slack, &hint_);
   }
+  const LegVelocities& legs() const { return legs_; }
 
   /// Whether a longer delay may hold where this one does not. If the legs do not turn back, the corner becomes only
   /// slower; not so if axes differ or overshoot.
@@ -65,23 +73,23 @@ class BlendCheck {
     double along = 0.0;
     for (std::size_t a = 0; a < legs_.in.size(); ++a) along += legs_.in[a] * legs_.out[a];
     const Corner& g = corner_.geometry();
-    return along < -1e-12 * g.feed_in * g.feed_out || speed_holds(delay);
+    return along < -1e-12 * g.feed_in * g.feed_out || speed_holds(delay, formula_slack);
   }
 
   /// The cheapest part of it.
-  bool error_holds(int delay) const {
+  bool error_holds(int delay, double slack = formula_slack) const {
     if (!corner_.error_max) return true;
     const double error = corner_error(behind_, corner_.geometry(), delay, period_);
-    return judged_distance(error) <= *corner_.error_max * formula_slack;
+    return judged_distance(error) <= *corner_.error_max * slack;
   }
 
  private:
-  bool contour_holds(int delay) const {
+  bool contour_holds(int delay, double slack) const {
     if (!corner_.contour_max) return true;
     const double deviation = measure(behind_, corner_.geometry(), delay, period_).contour_deviation;
-    return judged_distance(deviation) <= *corner_.contour_max * formula_slack;
+    return judged_distance(deviation) <= *corner_.contour_max * slack;
   }
-  bool speed_holds(int delay) const {
+  bool speed_holds(int delay, double slack) const {
     if (!(corner_.speed_min > 0.0)) return true;
     const int last = behind_.longest_order() + delay + settling;
     for (int k = 0; k <= last; ++k) {
@@ -91,7 +99,7 @@ class BlendCheck {
         const double v = legs_.in[a] * motion.remaining(k) + legs_.out[a] * motion.cumulative(k - delay);
         speed_squared += v * v;
       }
-      if (corner_.speed_min > std::sqrt(speed_squared) * formula_slack) return false;
+      if (corner_.speed_min > std::sqrt(speed_squared) * slack) return false;
     }
     return true;
   }

@@ -12,15 +12,11 @@
 namespace accdec {
 namespace {
 
-/// Whether all starts from rest and all stops hold their limits, modes of axes among them. Delays do not change this.
+/// The starts and stops of all corners.
 bool ramps_hold(const BlendLimits& limits, const Task& task) {
-  for (const TaskCorner& corner : task.corners) {
-    const LegVelocities legs(corner.geometry());
-    if (!limits.holds(legs.rest.data(), legs.in.data(), 0, formula_slack) ||
-        !limits.holds(legs.out.data(), legs.rest.data(), 0, formula_slack))
-      return false;
-  }
-  return true;
+  return std::ranges::all_of(task.corners, [&](const TaskCorner& corner) {
+    return ramps_hold(limits, LegVelocities(corner.geometry()), formula_slack);
+  });
 }
 
 }  // namespace

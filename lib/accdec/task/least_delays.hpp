@@ -70,7 +70,7 @@ class LeastDelays {
   LeastDelays(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits)
       : task_(task),
         order_(filter.order()),
-        apart_(filter.last_nonzero_tap() - filter.first_nonzero_tap()),
+        apart_(exact_stop_of(filter)),
         in_position_(behind, task),
         corner_feeds_(filter, behind, task, limits) {
     const DelayFinder smallest(behind.motion());

@@ -225,8 +225,7 @@ std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result) {
   const auto& control = result.task.settings;
   if (!control || control->delays.empty() || !result.filter) return {};
   const bool dwells = control->names(DelayKind::dwell);
-  const Filter& filter = *result.filter;
-  const int apart = filter.last_nonzero_tap() - filter.first_nonzero_tap();
+  const int apart = exact_stop_of(*result.filter);
   std::vector<DelayKind> kinds;
   for (const CornerResult& corner : result.corners) {
     if (corner.delay == 0 && control->names(DelayKind::continuous))

@@ -132,6 +132,7 @@ struct ServoReport {
 struct ProgramResult {
   std::string program;  ///< the file
   Status status = Status::failed;
+  ToolpathOptions reading;     ///< of the plan's path, by run_program_file
   double sample_period = 0.0;  ///< s
   Machine task_machine;        ///< the task's
   Plan plan;
@@ -217,19 +218,26 @@ struct KnownPlan {
   std::size_t slowed = 0;        ///< blocks below their programmed feed
 };
 
+/// A path to plan, and what is asked of the plan.
+struct PlanningProblem {
+  std::string program;  ///< the file
+  Toolpath path;
+  Task task;
+  Feeds feeds = Feeds::keep;  ///< plan profiles always chooses them
+  Deadline deadline{};        ///< ends the planning: the fastest plan so far is the answer; `failed` if none holds
+  bool filter_bound = false;  ///< see FixedOptions
+};
+
 /// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis
 /// limit and vibration bound is held over the whole program, else `failed` with the worst in the message. With
 /// Feeds::choose the plan at the programmed feeds is a candidate, so that the answer is never slower than it.
-/// @param deadline  ends the planning: the fastest plan so far is the answer; `failed` if none holds
-/// @param known     a plan that held (ProgramFilter::plan): it is a candidate if the deadline is over
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
-                          bool filter_bound = false, Feeds feeds = Feeds::keep, const Deadline& deadline = {},
-                          const KnownPlan& known = {});
+/// @param known  a plan that held (ProgramFilter::plan): it is a candidate if the deadline is over
+ProgramResult run_program(PlanningProblem problem, const Filter& filter, const KnownPlan& known = {});
 
 /// Plans profiles, samples and verifies them. The bounds are left to whoever asks for them.
 /// @throws std::invalid_argument for vibration bounds that no last filter holds, and for delays that the program brings
 ///         along: they belong to a filter that this plan does not have
-ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline = {});
+ProgramResult run_profiles(PlanningProblem problem);
 
 /// Fills in what follows from the plan, its errors and the uses of its axis limits: counts and the worst of the joints,
 /// vibration, whether all holds.
@@ -311,7 +319,10 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
 /// free: a position for every sample.
 enum class PlanKind { fixed, profiles, free };
 
-/// @throws std::invalid_argument unless the name is "fixed", "profiles" or "free"
+/// Their names, in this order.
+const std::vector<std::string>& plan_names();
+
+/// @throws std::invalid_argument unless it is one of these names
 PlanKind plan_kind(std::string_view name);
 
 /// Options of plan fixed.
@@ -345,8 +356,9 @@ struct ProgramFileOptions {
 
 /// A program as read.
 struct ProgramFile {
+  std::string name;  ///< where it is
   Toolpath path;
-  ToolpathOptions reading;
+  ToolpathOptions reading{};
   bool interpreted = false;  ///< by rs274
 };
 
@@ -372,10 +384,10 @@ ProgramFile read_program_file(const std::string& file, const Task& task, const P
 ///   as its candidates. If none holds, it is the plan
 ///   profiles with a message.
 /// * free: the fastest of these plans, shortened sample by sample. If nothing is gained, it is the answer.
-/// @param file  its path is taken; its `reading` becomes that of the answer
+/// @param file  it may be read again with longer chords for arcs; see ProgramResult::reading
 /// @param tell  one line a step, may be empty
 /// @throws std::invalid_argument  for a limit or an option that the plan does not keep, by name
-ProgramResult run_program_file(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
+ProgramResult run_program_file(ProgramFile file, const Task& task, const ProgramFileOptions& options,
+                               const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec

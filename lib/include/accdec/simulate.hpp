@@ -336,6 +336,8 @@ class Motion {
 
   /// The next sample, the start first; false after the last.
   bool next(Sample& sample);
+  /// After next(): the first and the last block that the sample may be on.
+  std::pair<std::size_t, std::size_t> blocks() const;
   /// After next(): passes over samples in which the motion rests or goes straight on evenly, except the last of them.
   void pass_steady();
 

@@ -9,8 +9,8 @@ int main() {
   const accdec::Task task = accdec::read_task("problems/program/mill.toml", whole);
   const accdec::ProgramFileOptions options;
   const char* name = "problems/program/pocket.ngc";
-  accdec::ProgramFile file = accdec::read_program_file(name, task, options, {});
-  const accdec::ProgramResult result = accdec::run_program_file(name, file, task, options, {});
+  const accdec::ProgramFile file = accdec::read_program_file(name, task, options, {});
+  const accdec::ProgramResult result = accdec::run_program_file(file, task, options, {});
   std::printf("%s: %.3f s\n", accdec::to_string(result.status).data(), result.cycle_time);
 
   accdec::Motion motion(result.plan, result.sample_period);

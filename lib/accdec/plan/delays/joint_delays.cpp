@@ -3,8 +3,9 @@
 #include <utility>
 
 #include <accdec/machine/blend_behind.hpp>
+#include <accdec/motion/least_held.hpp>
 #include <accdec/plan/delays/joint_delays.hpp>
-#include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/delays/path_delay.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/task/delay_kinds.hpp>
@@ -70,15 +71,10 @@ Corner JointDelays::loaded() const {
 
 namespace {
 
-/// The least delay from `low` on, by halving: errors mostly fall with the delay. The last one counts as held.
+/// The least delay from `first` on: errors mostly fall with the delay. The last one counts as held.
 template <class Held>
-int least_held(int low, int high, const Held& held) {
-  if (high <= low || held(low)) return low;
-  while (high - low > 1) {
-    const int middle = low + (high - low) / 2;
-    (held(middle) ? high : low) = middle;
-  }
-  return high;
+int least_delay(int first, int last, const Held& held) {
+  return last <= first || held(first) ? first : least_held(first, last, held);
 }
 
 }  // namespace
@@ -86,7 +82,7 @@ int least_held(int low, int high, const Held& held) {
 int JointDelays::within_contour(int delay) const {
   if (!(path_.contour_max < unlimited)) return delay;
   const Corner corner = loaded();
-  return least_held(delay, finder_.exact_stop_delay(), [&](int d) {
+  return least_delay(delay, finder_.exact_stop_delay(), [&](int d) {
     return measure(behind_, corner, d, period_).contour_deviation <= path_.contour_max + position_floor;
   });
 }
@@ -103,7 +99,7 @@ int JointDelays::of_control(int delay) {
 }
 
 int JointDelays::exact_stop() const {
-  return std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+  return exact_stop_of(filter_);
 }
 
 int JointDelays::stop(std::size_t b) {
@@ -134,7 +130,7 @@ int JointDelays::within_tolerance(std::size_t b) const {
   if (!behind_.differs()) return finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
   if (!(path_.tolerance[b] < unlimited)) return 0;
   const Corner corner = loaded();
-  return least_held(0, behind_.longest_order() + 1, [&](int d) {
+  return least_delay(0, behind_.longest_order() + 1, [&](int d) {
     return corner_error(behind_, corner, d, period_) <= path_.tolerance[b] + position_floor;
   });
 }

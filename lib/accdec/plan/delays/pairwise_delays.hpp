@@ -35,11 +35,4 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, doubl
 std::size_t raised_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                           const std::vector<int>& delays, const std::vector<int>& alone = {});
 
-/// Smallest d >= 0 with which the path through the samples passes a single joint within `error_max`. The polyline error
-/// never grows with d.
-/// @param cos_interior       cos(theta), see Corner
-/// @param step_in, step_out  full-speed steps v T of both legs, m
-int smallest_path_delay(const Filter& filter, double cos_interior, double step_in, double step_out, double error_max,
-                        int stop_delay);
-
 }  // namespace accdec

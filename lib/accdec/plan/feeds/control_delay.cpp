@@ -2,6 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <accdec/motion/least_held.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/task/delay_kinds.hpp>
 
@@ -63,12 +64,10 @@ std::optional<int> control_delay(const ControlDelays& control, const Filter& fil
   if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + exact_stop_more)
     best = stop;
   if (!control.names(DelayKind::in_position) || !(control.width > 0.0)) return best;
-  int low = -1, high = filter.order() + 1;  // the way left falls to 0
-  while (high - low > 1) {
-    const int middle = low + (high - low) / 2;
-    (step * filter.remaining_moment(middle) <= control.width ? high : low) = middle;
-  }
-  if (high >= least && (!best || high < *best)) best = high;
+  // The way left falls to 0.
+  const int waits =
+      least_held(-1, filter.order() + 1, [&](int k) { return step * filter.remaining_moment(k) <= control.width; });
+  if (waits >= least && (!best || waits < *best)) best = waits;
   return best;
 }
 

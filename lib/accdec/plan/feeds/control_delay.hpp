@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -34,11 +33,6 @@ double commanded_feed(const Toolpath& path, std::size_t b);
 /// The feeds, m/s, of whose multiples corner feeds before and behind the end of block b are: those of the path. A rapid
 /// move beside a feed move has no more than that one's.
 std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b);
-
-/// The least delay, samples, with which the legs of a corner do not overlap.
-inline int exact_stop_of(const Filter& filter) {
-  return std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());
-}
 
 /// The part of a leg's speed that a control compares with its in-position width: all, or that of the fastest axis.
 double watched_part(const ControlDelays& control, const double* velocity, std::size_t axes, double speed);

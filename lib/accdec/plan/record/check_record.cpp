@@ -145,7 +145,7 @@ RecordCheck check_planned_again(std::string_view text, const ProgramRecord& reco
   leave_room_for_arcs(programmed, record.inputs.reading.read.arc_tolerance);
   std::vector<std::string> reasons;
   compare_names(record, reasons);
-  const ProgramResult found = plan_profiles_of(record.inputs.program, std::move(programmed), record.task);
+  const ProgramResult found = plan_profiles_of({record.inputs.program, std::move(programmed), record.task});
   ProgramDifferences compared = program_differences(text, record, found, {});
   if (!compared.reasons.empty())
     reasons.emplace_back("accdec.profiles/1 holds no motion, and the program planned again has another one:");

@@ -38,6 +38,7 @@ FreeMotion as_motion(const Toolpath& path, const FreeSamples& samples) {
 ProgramResult with_samples(const ProgramResult& plan, const FreeSamples& samples) {
   ProgramResult result;
   result.program = plan.program;
+  result.reading = plan.reading;
   result.sample_period = plan.sample_period;
   result.task_machine = plan.task_machine;
   result.programmed_blocks = plan.programmed_blocks;

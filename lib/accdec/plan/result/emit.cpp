@@ -301,15 +301,13 @@ class Emission {
     if (!last && path_.joint[b] == Joint::stop && !result_.plan.command()->moved.empty()) return servo_rest(b);
     if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
     int delay = result_.plan.delay(b);
-    if (kind_of(result_, b) == DelayKind::exact_stop)
-      delay -= result_.plan.filter().last_nonzero_tap() - result_.plan.filter().first_nonzero_tap();
+    if (kind_of(result_, b) == DelayKind::exact_stop) delay -= exact_stop_of(result_.plan.filter());
     if (delay > 0) line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
   }
 
   /// The wait of a stop for the servo, beyond the rest of the command.
   void servo_rest(std::size_t b) {
-    const int longer =
-        result_.plan.delay(b) - (result_.plan.filter().last_nonzero_tap() - result_.plan.filter().first_nonzero_tap());
+    const int longer = result_.plan.delay(b) - exact_stop_of(result_.plan.filter());
     if (longer > 0) line("G4 P{}", plain_number(static_cast<double>(longer) * result_.sample_period, 9));
   }
 

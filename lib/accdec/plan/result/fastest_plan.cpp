@@ -23,9 +23,10 @@ void require_plan(const ProgramResult& result) {
   if (result.plan.empty()) throw std::invalid_argument(result.message + "; give --time-limit longer");
 }
 
-ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
-  const double bound = program_lower_bound(path, program_machine(task.machine, path), task.sample_period);
-  ProgramResult result = run_profiles(name, std::move(path), task, deadline);
+ProgramResult plan_profiles_of(PlanningProblem problem) {
+  const double bound = program_lower_bound(problem.path, program_machine(problem.task.machine, problem.path),
+                                           problem.task.sample_period);
+  ProgramResult result = run_profiles(std::move(problem));
   result.lower_bound = bound;
   return result;
 }
@@ -43,17 +44,17 @@ CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadli
   return bound;
 }
 
-CornerBound corner_bound_as_read(const CornerBound& known, double chords, const std::string& name,
-                                 const ProgramFile& answer, const Task& task, ProgramFileOptions options) {
+CornerBound corner_bound_as_read(const CornerBound& known, double chords, const ProgramResult& answer, const Task& task,
+                                 ProgramFileOptions options) {
   options.arc_tolerance = answer.reading.read.arc_tolerance;
   if (*options.arc_tolerance == chords) return known;
-  return corner_bound_of(read_program_file(name, task, options, {}).path, task, options.deadline);
+  return corner_bound_of(read_program_file(answer.program, task, options, {}).path, task, options.deadline);
 }
 
 namespace {
 
-ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task& task,
-                          const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+ProgramResult faster_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                          const std::function<void(const std::string&)>& tell) {
   if (options.fixed.feeds == Feeds::keep) {
     throw std::invalid_argument(
         "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
@@ -63,15 +64,15 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   const double chords = file.reading.read.arc_tolerance;
   // If checking its samples takes all the time there is, one filter may still be planned.
   const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
-  ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
+  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
+  profiles.reading = file.reading;
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   const bool late = !several || options.deadline.over();
   if (late && holds) return profiles;
   std::optional<AlongPlan> along;
   if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
-  ProgramFile copy = file;
-  ProgramResult other = run_fixed_plan(name, copy, task, options, tell);
+  ProgramResult other = run_fixed_plan(file, task, options, tell);
   ProgramResult& best = along ? along->result : profiles;
   if (along) along->result.candidates = {time_of(profiles)};
   if (other.plan.empty()) {
@@ -82,9 +83,8 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
   const bool faster = theirs.verified && (!mine.verified || theirs.time < mine.time);
   if (faster || best.plan.empty()) {
     other.candidates = {mine};
-    file.reading = copy.reading;
     if (profiles.corner_bound)
-      other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, name, file, task, options);
+      other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, other, task, options);
     return other;
   }
   best.candidates.push_back(theirs);
@@ -93,10 +93,10 @@ ProgramResult faster_plan(const std::string& name, ProgramFile& file, const Task
 
 }  // namespace
 
-ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
+ProgramResult run_fastest_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
-  ProgramResult result = faster_plan(name, file, task, options, tell);
+  ProgramResult result = faster_plan(file, task, options, tell);
   result.solver.wall_time = seconds_since(start);  // both plans and the bounds
   return result;
 }

@@ -17,15 +17,14 @@ void require_plan(const ProgramResult& result);
 /// their arcs by a motion along them (plan free). The answer is the fastest of the plans that hold all limits, with the
 /// times of the others as its candidates.
 /// If none holds, it is the plan profiles with a message.
-/// @param file     as read; its `reading` becomes that of the answer
 /// @param options  for the plan beside it
 /// @param tell     one line a step, may be empty
 /// @throws std::invalid_argument as run_profiles, and for Feeds::keep, because its ramps choose the feeds
-ProgramResult run_fastest_plan(const std::string& name, ProgramFile& file, const Task& task,
-                               const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
+ProgramResult run_fastest_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                               const std::function<void(const std::string&)>& tell);
 
 /// Plan profiles of a program, with its lower bound.
-ProgramResult plan_profiles_of(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline = {});
+ProgramResult plan_profiles_of(PlanningProblem problem);
 
 /// Bounds of corners, for sums of monotone legs and for any motion, whichever plan. Made for programs of up to
 /// `several_plans_max` blocks: longer ones take longer to bound than to plan.
@@ -38,8 +37,7 @@ CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadli
 /// hold for a plan that read its arcs again.
 /// @param known   bounds of the program as it was first read
 /// @param chords  m, of that reading from their arcs
-/// @param answer  with the reading of the plan
-CornerBound corner_bound_as_read(const CornerBound& known, double chords, const std::string& name,
-                                 const ProgramFile& answer, const Task& task, ProgramFileOptions options);
+CornerBound corner_bound_as_read(const CornerBound& known, double chords, const ProgramResult& answer, const Task& task,
+                                 ProgramFileOptions options);
 
 }  // namespace accdec

@@ -92,17 +92,19 @@ void take_kept(const ProgramResult& from, double time, ProgramResult& result) {
 /// As `--feeds keep` plans the program, with the filter designed for that, if it is faster than the result.
 /// @param straight  the program as it was read, if it has no chords: longer ones change nothing, and it need not be a
 ///                  file
-void offer_kept(const std::string& name, ProgramFile& file, std::optional<ProgramFile> straight, const Task& task,
-                const ProgramFileOptions& options, ProgramResult& result) {
+void offer_kept(std::optional<ProgramFile> straight, const Task& task, const ProgramFileOptions& options,
+                ProgramResult& result) {
   ProgramFileOptions coarse = options;
   coarse.arc_tolerance = options.arc_tolerance.value_or(longest_chords);
-  ProgramFile again = straight ? std::move(*straight) : read_program_file(name, task, coarse, {});
+  ProgramFile again = straight ? std::move(*straight) : read_program_file(result.program, task, coarse, {});
   coarse.fixed.feeds = Feeds::keep;
   const ProgramFilter filter = filter_for_program(again.path, task, coarse, {});
   if (!filter.filter) return;
   set_control(again.path, task, filter);
-  ProgramResult kept = run_program(name, std::move(again.path), *filter.filter, task, options.fixed.filter_bound,
-                                   coarse.fixed.feeds, options.deadline, filter.plan);
+  ProgramResult kept = run_program(
+      {result.program, std::move(again.path), task, coarse.fixed.feeds, options.deadline, options.fixed.filter_bound},
+      *filter.filter, filter.plan);
+  kept.reading = again.reading;
   const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
   // A result at kept feeds has the times of its own filter.
   const bool best = !result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept;
@@ -110,7 +112,6 @@ void offer_kept(const std::string& name, ProgramFile& file, std::optional<Progra
   if (kept.verification.feasible && (!result.verification.feasible || kept.cycle_time < result.cycle_time)) {
     result = std::move(kept);
     result.solver = filter.solver;
-    file.reading = again.reading;
   }
   result.kept_same_filter = false;
   result.solver.wall_time = wall_time;
@@ -131,7 +132,7 @@ std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolp
   const auto offer = [&](const std::optional<Filter>& filter) {
     if (!filter || bounded.deadline.over()) return;
     const ProgramResult plan =
-        run_program(result.program, programmed, *filter, any, false, options.fixed.feeds, bounded.deadline);
+        run_program({result.program, programmed, any, options.fixed.feeds, bounded.deadline}, *filter);
     if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
   };
   offer(designed.filter);
@@ -168,13 +169,13 @@ void say_today(ProgramResult& result, const Toolpath& programmed, const Task& ta
   path.control = control_of(*task.settings,
                             width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
   const ProgramResult plan =
-      run_program(result.program, std::move(path), filter, task, false, options.fixed.feeds, options.deadline);
+      run_program({result.program, std::move(path), task, options.fixed.feeds, options.deadline}, filter);
   // A plan that was cut short says little of the setting.
   if (!options.deadline.over()) result.today = plan.verification.feasible ? plan.cycle_time : unlimited;
 }
 
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
-ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const ProgramFilter& choice, const Task& task,
+ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const Task& task,
                            const ProgramFileOptions& options) {
   const bool finer = options.fixed.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
@@ -183,39 +184,38 @@ ProgramResult plan_as_read(const std::string& name, ProgramFile& file, const Pro
                     (!options.fixed.compensate_arcs || file.path.arcs.empty());
   const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
   const Toolpath programmed = says ? file.path : Toolpath{};
-  const auto plan = [&](Toolpath path, Feeds feeds) {
-    set_control(path, task, choice);
-    return run_program(name, std::move(path), *choice.filter, task, options.fixed.filter_bound, feeds, options.deadline,
-                       choice.plan);
+  const auto plan = [&](ProgramFile read, Feeds feeds) {
+    set_control(read.path, task, choice);
+    ProgramResult planned =
+        run_program({read.name, std::move(read.path), task, feeds, options.deadline, options.fixed.filter_bound},
+                    *choice.filter, choice.plan);
+    planned.reading = std::move(read.reading);
+    return planned;
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
   const bool widen = options.fixed.feeds == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();
   std::optional<ProgramFile> straight;
   if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
   const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.fixed.feeds;
-  ProgramResult result = plan(std::move(file.path), finer ? Feeds::choose_only : feeds);
+  ProgramResult result = plan(std::move(file), finer ? Feeds::choose_only : feeds);
   double planning = result.solver.wall_time;
   if (finer && !options.deadline.over()) {
     ProgramFileOptions coarse = options;
     coarse.arc_tolerance = longest_chords;
-    ProgramFile again = read_program_file(name, task, coarse, {});
-    ProgramResult other = plan(std::move(again.path), feeds);
+    ProgramResult other = plan(read_program_file(result.program, task, coarse, {}), feeds);
     planning += other.solver.wall_time;
     const bool as_asked =
         !options.fixed.compensate_arcs || !other.plan.path.programmed.empty() || result.plan.path.programmed.empty();
     const bool better = other.verification.feasible && as_asked &&
                         (!result.verification.feasible || other.cycle_time < result.cycle_time);
     if (!result.cycle_time_kept && other.cycle_time_kept) take_kept(other, *other.cycle_time_kept, result);
-    if (better) {
-      result = std::move(other);
-      file.reading = again.reading;
-    }
+    if (better) result = std::move(other);
   }
   result.solver = choice.solver;
   result.solver.wall_time += planning;
   const bool families = choice.settings && task.settings->names_family();
   result.kept_same_filter = choice.designed || families;
-  if (kept && !options.deadline.over()) offer_kept(name, file, std::move(straight), task, options, result);
+  if (kept && !options.deadline.over()) offer_kept(std::move(straight), task, options, result);
   if (choice.settings) say_settings(result, choice, task);
   if (result.plan.empty() || !says) return result;
   say_today(result, programmed, task, options);
@@ -233,43 +233,42 @@ std::string compensation_note(const ProgramResult& plain, const ProgramResult& w
 }
 
 /// With the filter that suits the program as it was read.
-ProgramResult choose_and_plan(const std::string& name, ProgramFile& file, const Task& task,
-                              const ProgramFileOptions& options, const Tell& tell) {
+ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options, const Tell& tell) {
   const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;
-    none.program = name;
+    none.program = file.name;
+    none.reading = file.reading;
     none.sample_period = task.sample_period;
     none.message = choice.message;
     none.solver = choice.solver;
     return none;
   }
   if (tell) tell("planning and simulating");
-  return plan_as_read(name, file, choice, task, options);
+  return plan_as_read(std::move(file), choice, task, options);
 }
 
 }  // namespace
 
-ProgramResult run_fixed_plan(const std::string& name, ProgramFile& file, const Task& task,
-                             const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
-  if (!options.fixed.compensate_arcs || file.path.arcs.empty()) return choose_and_plan(name, file, task, options, tell);
+ProgramResult run_fixed_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options,
+                             const std::function<void(const std::string&)>& tell) {
+  if (!options.fixed.compensate_arcs || file.path.arcs.empty())
+    return choose_and_plan(std::move(file), task, options, tell);
   // First without compensation and with all the time there is: a time limit cannot make the answer slower than that.
   ProgramFile plain = file;
   plain.path.widen_arcs = plain.reading.widen_arcs = false;
   ProgramFileOptions as_programmed = options;
   as_programmed.fixed.compensate_arcs = false;
-  ProgramResult result = choose_and_plan(name, plain, task, as_programmed, tell);
+  ProgramResult result = choose_and_plan(std::move(plain), task, as_programmed, tell);
   if (options.deadline.over() && result.verification.feasible) {
     result.compensation = "arcs are commanded as programmed: the time limit ended before a plan that widens them";
-    file.reading = plain.reading;
     return result;
   }
-  ProgramResult widened = choose_and_plan(name, file, task, options, tell);
+  ProgramResult widened = choose_and_plan(std::move(file), task, options, tell);
   if (!result.verification.feasible || (widened.verification.feasible && widened.cycle_time <= result.cycle_time))
     return widened;
   result.compensation = compensation_note(result, widened);
   result.solver.wall_time += widened.solver.wall_time;
-  file.reading = plain.reading;
   return result;
 }
 

@@ -17,7 +17,7 @@ namespace accdec {
 /// compensation. If that is faster, it is the answer, and ProgramResult::compensation says so.
 /// @param file  its path is taken; its `reading` becomes that of the answer
 /// @param tell  one line a step, may be empty
-ProgramResult run_fixed_plan(const std::string& name, ProgramFile& file, const Task& task,
-                             const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell);
+ProgramResult run_fixed_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options,
+                             const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec

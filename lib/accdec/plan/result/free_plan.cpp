@@ -44,16 +44,15 @@ std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadlin
 }
 
 /// One filter for the program, in a part of the time; if there is no other plan, even when the time is over.
-std::optional<FixedPlan> fixed_beside(const std::string& name, const ProgramFile& file, const Task& task,
-                                      ProgramFileOptions options, bool only) {
+std::optional<ProgramResult> fixed_beside(const ProgramFile& file, const Task& task, ProgramFileOptions options,
+                                          bool only) {
   if (!only && (file.path.blocks() > several_plans_max || options.deadline.over())) return {};
   if (const double left = options.deadline.left(); options.time_limit || left < unlimited) {
     options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
     options.deadline = options.deadline.within(*options.time_limit);
   }
-  FixedPlan fixed{file, {}};
-  fixed.result = run_fixed_plan(name, fixed.file, task, options, {});
-  if (fixed.result.plan.empty() || !fixed.result.verification.feasible) return {};
+  ProgramResult fixed = run_fixed_plan(file, task, options, {});
+  if (fixed.plan.empty() || !fixed.verification.feasible) return {};
   return fixed;
 }
 
@@ -109,9 +108,8 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
 
 }  // namespace
 
-ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
-                            const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell,
-                            std::optional<FixedPlan> fixed) {
+ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                            const std::function<void(const std::string&)>& tell, std::optional<ProgramResult> fixed) {
   refuse_options(file.path, options);
   require_positions(task, file.path, "plan free");
   require_free(task, file.path);
@@ -119,7 +117,8 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   if (tell) tell("plan profiles, which the free motion begins with");
   const double chords = file.reading.read.arc_tolerance;
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
-  ProgramResult profiles = plan_profiles_of(name, file.path, task, most);
+  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
+  profiles.reading = file.reading;
   // The bound is computed beside the plan of one filter, in the same part of the time.
   std::future<CornerBound> bound;
   if (file.path.blocks() <= several_plans_max) {
@@ -129,15 +128,14 @@ ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Ta
   const std::string no_motion = why_no_motion(profiles, options.deadline);
   // One filter may be faster than profiles, and than any motion that was found.
   const bool only = profiles.plan.empty() || !profiles.verification.feasible;
-  if (!fixed) fixed = fixed_beside(name, file, task, options, only);
+  if (!fixed) fixed = fixed_beside(file, task, options, only);
   if (bound.valid()) profiles.corner_bound = bound.get();
-  ProgramResult* const beside = fixed ? &fixed->result : nullptr;
+  ProgramResult* const beside = fixed ? &*fixed : nullptr;
   const auto answer = [&](ProgramResult result) {
     if (beside && (!result.verification.feasible || beside->cycle_time < result.cycle_time)) {
       std::swap(*beside, result);
-      file.reading = fixed->file.reading;
       if (beside->corner_bound)
-        result.corner_bound = corner_bound_as_read(*beside->corner_bound, chords, name, file, task, options);
+        result.corner_bound = corner_bound_as_read(*beside->corner_bound, chords, result, task, options);
       if (tell) tell("plan fixed is faster than the free motion that was found");
     }
     if (beside) result.candidates.push_back(time_of(*beside));

@@ -8,23 +8,16 @@
 
 namespace accdec {
 
-/// Plan fixed of a program, and the program as this plan read it.
-struct FixedPlan {
-  ProgramFile file;
-  ProgramResult result;
-};
-
 /// `accdec program --plan free`: the fastest of plan profiles, its arcs planned along the path (along_plan.hpp), and
 /// one filter, shortened by convex programmes over its samples. Verified; where nothing is gained, or the check of all
 /// samples refuses it, the answer is the plan it began with. Programs with arcs are also planned with one filter; if
 /// that is faster, it is the answer.
-/// @param file  as read; its `reading` becomes that of the answer
 /// @param tell  one line a step, may be empty
 /// @param fixed  plan fixed, with a motion that holds, if it is known; else it is made in a part of the time
 /// @throws std::invalid_argument for a limit that this plan does not keep, by name, and for options that it does not
 ///         take
-ProgramResult run_free_plan(const std::string& name, ProgramFile& file, const Task& task,
-                            const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell,
-                            std::optional<FixedPlan> fixed = {});
+ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                            const std::function<void(const std::string&)>& tell,
+                            std::optional<ProgramResult> fixed = {});
 
 }  // namespace accdec

@@ -138,8 +138,7 @@ bool rests_after(const Plan& plan, std::size_t block) {
   if (plan.path.joint[block] == Joint::stop) return true;
   const FilteredCommand* command = plan.command();
   if (command == nullptr) return !plan.trajectory()->is_free() && plan.trajectory()->chain.stops(block + 1);
-  return command->delays[block] >=
-         std::max(1, command->filter.last_nonzero_tap() - command->filter.first_nonzero_tap());
+  return command->delays[block] >= std::max(1, exact_stop_of(command->filter));
 }
 
 std::size_t blocks_of(const Toolpath& programmed) {

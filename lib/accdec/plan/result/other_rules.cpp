@@ -90,7 +90,7 @@ OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample
   OtherRules times;
   std::vector<int> none = pairwise_delays(path, filter, sample_period, machine, DelayRule::none).delays;
   // Plans stop as briefly as this where it does.
-  const int stop = std::max(0, filter.last_nonzero_tap() - filter.first_nonzero_tap());
+  const int stop = exact_stop_of(filter);
   for (int& delay : none) delay = std::min(delay, stop);
   times.no_delay =
       static_cast<double>(motion_samples(CommandTiming(path, sample_period, none), filter)) * sample_period;

@@ -123,6 +123,7 @@ double chord_tolerance(const Task& task) {
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell) {
   ProgramFile result;
+  result.name = file;
   ToolpathOptions& reading = result.reading;
   reading.read.arc_tolerance =
       options.arc_tolerance.value_or(options.fixed.feeds == Feeds::choose ? chord_tolerance(task) : longest_chords);

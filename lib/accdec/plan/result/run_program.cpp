@@ -179,8 +179,7 @@ class Planning {
     if (!feeds_chosen) limit_rapids(plan.path, filter_, task_.sample_period, machine_);
     std::vector<int> delays(path.blocks(), 0);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      if (path.joint[b] == Joint::stop)
-        delays[b] = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+      if (path.joint[b] == Joint::stop) delays[b] = exact_stop_of(filter_);
     }
     for (const auto& [block, delay] : path.given_delays) {
       delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
@@ -205,7 +204,7 @@ class Planning {
     plan.plan.errors_hold = true;
   }
   std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays) const {
-    const int least = std::max(0, filter_.last_nonzero_tap() - filter_.first_nonzero_tap());
+    const int least = exact_stop_of(filter_);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
       if (path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
     }
@@ -288,15 +287,16 @@ class Planning {
 };
 
 /// The part of every plan's result on the program and the task.
-ProgramResult before_planning(const std::string& name, const Toolpath& path, const Task& task) {
+ProgramResult before_planning(const PlanningProblem& problem) {
+  const Task& task = problem.task;
   if (task.design.coefficient_bits > 0)
     throw std::invalid_argument("[design] coefficient_bits is for designs of corners; leave it out for a program");
   ProgramResult result;
-  result.program = name;
+  result.program = problem.program;
   result.sample_period = task.sample_period;
   result.task_machine = task.machine;
-  result.programmed_blocks = blocks_of(path);
-  result.programmed_moves = path.blocks();
+  result.programmed_blocks = blocks_of(problem.path);
+  result.programmed_moves = problem.path.blocks();
   return result;
 }
 
@@ -322,19 +322,21 @@ void say_what_ended(ProgramResult& result, const Deadline& deadline) {
 
 }  // namespace
 
-ProgramResult run_program(const std::string& name, Toolpath path, const Filter& filter, const Task& task,
-                          bool filter_bound, Feeds feeds, const Deadline& deadline, const KnownPlan& known) {
+ProgramResult run_program(PlanningProblem problem, const Filter& filter, const KnownPlan& known) {
+  const Task& task = problem.task;
+  Toolpath& path = problem.path;
+  const Feeds feeds = problem.feeds;
   if (task.settings && task.settings->in_position_latency > 0.0)
     throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
   const auto start = std::chrono::steady_clock::now();
-  ProgramResult result = before_planning(name, path, task);
+  ProgramResult result = before_planning(problem);
   const Machine machine = program_machine(task.machine, path);
-  require_considered(task, machine, filter_bound);
+  require_considered(task, machine, problem.filter_bound);
   // Computed before any move is slowed for this filter, because the bounds hold for all filters.
   snap_durations(path, Response(task.machine, task.sample_period).command(filter), task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine, task.sample_period);
-  if (filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
-  Planning planning(result, path, filter, task, machine, deadline);
+  if (problem.filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
+  Planning planning(result, path, filter, task, machine, problem.deadline);
   const bool written = planning.as_written(path, feeds);
   const bool keep = feeds == Feeds::keep || (feeds != Feeds::choose_only && path.blocks() <= several_plans_max);
   if (keep && !written) planning.keep(path, feeds == Feeds::keep);
@@ -354,13 +356,15 @@ ProgramResult run_program(const std::string& name, Toolpath path, const Filter& 
     result.status = Status::failed;
     result.message = "the control has no delays with which a plan holds all limits";
   }
-  say_what_ended(result, deadline);
+  say_what_ended(result, problem.deadline);
   result.solver.method = "given";
   result.solver.wall_time = seconds_since(start);
   return result;
 }
 
-ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& task, const Deadline& deadline) {
+ProgramResult run_profiles(PlanningProblem problem) {
+  const Task& task = problem.task;
+  const Toolpath& path = problem.path;
   require_positions(task, path, "plan profiles");
   const auto start = std::chrono::steady_clock::now();
   if (!path.given_delays.empty()) {
@@ -368,23 +372,24 @@ ProgramResult run_profiles(const std::string& name, Toolpath path, const Task& t
         "plan profiles takes no delays from the program: it has no one filter that they "
         "belong to; leave out --dwells-before-filter");
   }
-  ProgramResult result = before_planning(name, path, task);
+  ProgramResult result = before_planning(problem);
   result.feeds_chosen = true;
   const Machine machine = program_machine(task.machine, path);
-  ProfilePlan plan = plan_profiles(path, machine, task.sample_period, deadline);
+  ProfilePlan plan = plan_profiles(path, machine, task.sample_period, problem.deadline);
   result.solver.method = "look-ahead";
   if (!plan.checked) {
-    result.message = fmt::format("{} ended plan profiles before all its samples were checked", ended_by(deadline));
+    result.message =
+        fmt::format("{} ended plan profiles before all its samples were checked", ended_by(problem.deadline));
     result.solver.wall_time = seconds_since(start);
     return result;
   }
-  result.plan = {std::move(path), Trajectory{std::move(plan.chain), std::move(plan.last)}};
+  result.plan = {std::move(problem.path), Trajectory{std::move(plan.chain), std::move(plan.last)}};
   result.errors = std::move(plan.errors);
   result.check = std::move(plan.check);
   result.rounds = plan.rounds;
   result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
   judge_program(result, machine);
-  say_what_ended(result, deadline);
+  say_what_ended(result, problem.deadline);
   result.solver.wall_time = seconds_since(start);
   return result;
 }

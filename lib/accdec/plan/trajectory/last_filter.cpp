@@ -79,14 +79,6 @@ double LastFilter::beyond_of(double h) const {
   return h >= reach_ ? 0.0 : beyond_.at(h);
 }
 
-Filter convolved(const Filter& a, const Filter& b) {
-  std::vector<double> taps(static_cast<std::size_t>(a.order() + b.order() + 1), 0.0);
-  for (int i = 0; i <= a.order(); ++i) {
-    for (int k = 0; k <= b.order(); ++k) taps[static_cast<std::size_t>(i + k)] += a.tap(i) * b.tap(k);
-  }
-  return Filter(std::move(taps));
-}
-
 namespace {
 
 std::vector<int> jerk_boxcars(double jerk_time, double period) {

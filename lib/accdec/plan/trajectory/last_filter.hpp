@@ -65,7 +65,4 @@ class LastFilter {
 std::vector<Filter> last_filters(const Machine& machine, double period, double fastest = unlimited,
                                  std::size_t most = 24, const Deadline& deadline = {});
 
-/// The same taps convolved.
-Filter convolved(const Filter& a, const Filter& b);
-
 }  // namespace accdec
