@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t whole_max = 20'000;  // blocks up to which a program is judged as a whole
 constexpr int rounds_to_judge = 3;
-constexpr int rounds_max = 40;  // of mending a plan that may be the best
+constexpr int mending_rounds_max = 40;  // of mending a plan that may be the best
 /// Added to the time of filters whose plan does not hold, s, so that they come after all others.
 constexpr double behind_all = 1e12;
 
@@ -137,7 +137,7 @@ class Search {
     double time = planned(*filter, rounds_to_judge);
     // Few plans need more rounds to hold, and each costs as much as the first.
     const bool more = !late() || !search_.found();
-    if (time > behind_all && time - behind_all < search_.cost() && more) time = planned(*filter, rounds_max);
+    if (time > behind_all && time - behind_all < search_.cost() && more) time = planned(*filter, mending_rounds_max);
     if (time > behind_all) time = behind_all + stopping(*filter);
     // A plan that was not finished is judged only where there is no other.
     if (late() && search_.cost() < unlimited) return unlimited;
