@@ -93,7 +93,8 @@ Stops stops(const Machine& machine, unsigned seed, double longest) {
 ProgramResult free_plan(const std::string& program, const Task& task, std::string& told) {
   ProgramFile file;
   file.path = test::path_of(program, task.machine);
-  return run_free_plan("test", file, task, {}, [&](const std::string& line) { told += line + "\n"; });
+  file.name = "test";
+  return run_free_plan(file, task, {}, [&](const std::string& line) { told += line + "\n"; });
 }
 
 // Ends of legs lie at whole samples, so each takes less than one more than its optimum.
