@@ -123,6 +123,12 @@ def require_place(file, of_delay):
               "a problem with a response, contour, supply or mode of an axis")
 
 
+def leaves_none(file, part):
+    """Whether the delays refuted are all that the corner may have. From N + 1 on the path passes the corner itself."""
+    given = file["task"]["corner"][part["corner"]].get("delay_samples")
+    return part["delay"] >= file["at"]["order"] + 1 or given is not None and given <= part["delay"]
+
+
 def require_sum(file, lower):
     """That the delays that the parts refute are a bound of the weighted delay; without one, that none is left."""
     total, none, seen = 0, False, set()
@@ -133,8 +139,7 @@ def require_sum(file, lower):
         corner = file["task"]["corner"][j]
         refuse_if(number(corner.get("error_max_um", 0)) <= 0, "a part is about a corner without a tolerance")
         given = corner.get("delay_samples")
-        # From a delay of N + 1 on the path passes every corner itself.
-        none |= delay >= file["at"]["order"] + 1 or given is not None and given <= delay
+        none |= leaves_none(file, part)
         total += number(corner.get("weight", 1)) * delay if given is None else 0
     refuse_if(lower is None and not none, "a corner may have more than the delays that are refuted")
     refuse_if(lower is not None and lower > total * (1 + ROUNDING),
@@ -176,7 +181,10 @@ def refutation(file):
                          at_instants).leaves
     place = f"order {file['at']['order']} with limits on the blends at delay {file['at']['delays']}"
     if lower is None:
-        return f"{leaves} parts refuted: no filter of {place} holds all limits"
+        which = summed and next(part for part in parts if leaves_none(file, part))
+        within = f"passes corner {which['corner']} within its tolerance at a delay that it may have" if which else \
+            "holds all limits"
+        return f"{leaves} parts refuted: no filter of {place} {within}"
     least = "weighted delays of" if of_delay else f"at sample {file['at']['samples']} a sigma of"
     return f"{leaves} parts refuted: filters of {place} need {least} more than {float(lower):.9g}"
 

@@ -91,6 +91,13 @@ const TaskCorner& corner_of(const InstanceProof& r, const InstanceProof::Part& p
   return corner;
 }
 
+/// Whether the delays that a part refutes are all that its corner may have.
+bool leaves_none(const InstanceProof& r, const InstanceProof::Part& part) {
+  const std::optional<int> given = corner_of(r, part).delay;
+  // From a delay of N + 1 on the path passes every corner itself.
+  return part.delay >= r.at.order + 1.0 || (given && *given <= part.delay);
+}
+
 /// @throws Rejected if the parts, once proved, do not prove the bound
 void require_claim(const InstanceProof& r) {
   if (r.parts.empty()) throw Rejected("a refutation has no parts");
@@ -107,8 +114,7 @@ void require_claim(const InstanceProof& r) {
   for (const InstanceProof::Part& part : r.parts) {
     if (!part.corner || !seen.insert(*part.corner).second) throw Rejected("the parts are not one a corner");
     const TaskCorner& corner = corner_of(r, part);
-    // From a delay of N + 1 on the path passes every corner itself.
-    none |= part.delay >= r.at.order + 1.0 || (corner.delay && *corner.delay <= part.delay);
+    none |= leaves_none(r, part);
     if (!corner.delay) sum += corner.weight * part.delay;
   }
   if (!r.lower && !none) throw Rejected("a corner may have more than the delays that are refuted");
@@ -132,6 +138,12 @@ std::size_t check_part(const InstanceProof& r, const InstanceProof::Part& part, 
 std::string claim_of(const InstanceProof& r) {
   std::string text =
       fmt::format("of order {} with limits on the blends at delay {}", r.at.order, fmt::join(r.at.delays, ", "));
+  for (const InstanceProof::Part& part : r.parts) {
+    if (r.lower || !part.corner || !leaves_none(r, part)) continue;
+    const TaskCorner& corner = corner_of(r, part);
+    return fmt::format("no filter {} passes corner {} within its tolerance {}", text, corner.name,
+                       corner.delay ? fmt::format("at its given delay {}", *corner.delay) : "at any delay");
+  }
   if (!r.lower) return "no filter " + text + " holds all limits";
   if (r.of_delay) return fmt::format("filters {} need weighted delays of more than {:.9g} samples", text, *r.lower);
   return fmt::format("no filter {} has a sigma of {:.9g} or less at sample {}", text, *r.lower,

@@ -21,6 +21,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/task/convexity.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
 
 namespace accdec::comparison {
@@ -334,11 +335,14 @@ DesignResult exact_at_order(const CaseSpec& spec, double time_limit, bool certif
 Reference reference_of(const DesignResult& result) {
   if (result.status == Status::infeasible) return infeasible("exact: " + result.message, result.solver.evaluations);
   const double period = result.task.sample_period;
-  Reference reference{Reference::Proof::bound, result.lower_bound.value_or(0.0) / period, infinity, "exact bound",
-                      result.solver.evaluations};
+  // Rounded down: seconds over the period may be a bit above the samples.
+  const double lower = result.lower_bound.value_or(0.0) / period * (1.0 - 4.0 * std::numeric_limits<double>::epsilon());
+  Reference reference{Reference::Proof::bound, lower, infinity, "exact bound", result.solver.evaluations};
   if (result.status != Status::optimal) return reference;
   reference.proof = Reference::Proof::optimal;
-  reference.lower = reference.upper = result.objective() / period;
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  reference.lower = reference.upper = cost_of(result.task)(result.filter->order(), delays);
   reference.method = "exact design at this order";
   return reference;
 }

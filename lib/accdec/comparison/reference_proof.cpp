@@ -4,6 +4,12 @@
 
 namespace accdec::comparison {
 
+InstanceProof::Place place_of(const ComparisonCase& subject) {
+  const CaseSpec& spec = subject.spec();
+  return {spec.order, spec.question == Question::delay ? subject.blend_delays() : spec.delays, subject.samples(),
+          initial_frequencies(spec.task, spec.order)};
+}
+
 std::shared_ptr<const InstanceProof> instance_proof_of(const ComparisonCase& subject, std::optional<double> lower,
                                                        std::vector<InstanceProof::Part> parts) {
   if (parts.empty()) return nullptr;
@@ -11,10 +17,7 @@ std::shared_ptr<const InstanceProof> instance_proof_of(const ComparisonCase& sub
   InstanceProof r;
   r.task = spec.task;
   r.of_delay = spec.question == Question::delay;
-  r.at.order = spec.order;
-  r.at.delays = r.of_delay ? subject.blend_delays() : spec.delays;
-  r.at.samples = subject.samples();
-  r.at.frequencies = initial_frequencies(spec.task, spec.order);
+  r.at = place_of(subject);
   r.lower = lower;
   r.parts = std::move(parts);
   return std::make_shared<const InstanceProof>(std::move(r));

@@ -10,6 +10,8 @@
 
 namespace accdec::comparison {
 
+/// What a `margin` or `delay` problem fixes.
+InstanceProof::Place place_of(const ComparisonCase& subject);
 /// The certificate of a `margin` or `delay` problem's bound; null without parts.
 /// @param lower  none: no filter holds all limits
 std::shared_ptr<const InstanceProof> instance_proof_of(const ComparisonCase& subject, std::optional<double> lower,

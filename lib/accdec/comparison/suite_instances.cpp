@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/batch/row_numbers.hpp>
+#include <accdec/comparison/reference_proof.hpp>
 #include <accdec/comparison/suite_instances.hpp>
 #include <accdec/design/anytime.hpp>
 #include <accdec/exact/exact.hpp>
@@ -103,6 +104,8 @@ class Writer {
       ++summary_.left_out;
     }
     entry["expected"] = to_string(spec.expected);
+    if (spec.question != Question::design && subject.objection().empty())
+      entry["at"] = place_to_json(place_of(subject), spec.question == Question::delay);
     if (options_.optima) optimum(entry, stem, subject);
     entry["task"] = task_to_json(spec.task);
     manifest_["instances"].push_back(std::move(entry));
@@ -159,7 +162,6 @@ class Writer {
       reference = reference_of(subject, limit);
     }
     if (reference.refutation) {
-      entry["at"] = place_to_json(*reference.refutation);
       const auto began = std::chrono::steady_clock::now();
       const CheckReport check =
           check_instance_proof(*reference.refutation, [&] { return seconds_since(began) > limit; });

@@ -48,15 +48,15 @@ InstanceProof read(const Value& value, const std::string& name) {
 
 }  // namespace
 
-Json place_to_json(const InstanceProof& r) {
-  Json at = {{"order", r.at.order}, {"delays", r.at.delays}};
-  if (!r.of_delay) at["samples"] = r.at.samples;
-  at["frequencies"] = r.at.frequencies;
+Json place_to_json(const InstanceProof::Place& place, bool of_delay) {
+  Json at = {{"order", place.order}, {"delays", place.delays}};
+  if (!of_delay) at["samples"] = place.samples;
+  at["frequencies"] = place.frequencies;
   return at;
 }
 
 std::string instance_proof_to_json(const InstanceProof& r) {
-  Json at = place_to_json(r);
+  Json at = place_to_json(r.at, r.of_delay);
   at.erase("frequencies");
   const Json head = {{"schema", schema},
                      {"formulation", r.of_delay ? "delay" : "margin"},

@@ -12,7 +12,7 @@ namespace accdec {
 /// `accdec.refutation/1`: lib/accdec/certificate/README.md has its members.
 std::string instance_proof_to_json(const InstanceProof& refutation);
 /// The member `at`, which a manifest of instances has as well.
-nlohmann::ordered_json place_to_json(const InstanceProof& refutation);
+nlohmann::ordered_json place_to_json(const InstanceProof::Place& place, bool of_delay);
 
 /// Whether a text seems to be a refutation: its schema is the first member of what accdec writes.
 bool is_instance_proof(std::string_view text);
