@@ -24,8 +24,8 @@ namespace accdec {
 namespace {
 
 /// Whether one corner holds its limits at a delay, as the simulation sees it. Smaller delays than the result's count as
-/// proved not to hold. So the simulation decides where the formulas of BlendCheck are close to a bound; a search of
-/// filters claims nothing by them and needs one slack only.
+/// proved not to hold. So the simulation decides where the formulas are close to a bound; a search of filters claims
+/// nothing by them, and takes one slack (BlendCheck::holds).
 class CornerCheck {
  public:
   /// @param simulate  whether even what the formulas are sure of is simulated  @param limits  of the filter
@@ -35,12 +35,11 @@ class CornerCheck {
         corner_(corner),
         filter_(filter),
         behind_(behind),
-        limits_(limits),
         simulate_(simulate),
         blend_(behind, corner, task, limits) {}
 
   bool holds(int delay) {
-    const Verdict verdict = simulate_ ? Verdict::close : by_formula(delay);
+    const Verdict verdict = simulate_ ? Verdict::close : blend_.verdict(delay);
     return verdict == Verdict::close ? simulated(delay).feasible : verdict == Verdict::held;
   }
   /// The limit that is broken at a delay that does not hold: the first if formulas refused it, otherwise the worst.
@@ -59,19 +58,11 @@ class CornerCheck {
   VerificationReport simulated(int delay, std::vector<LimitUse>* uses = nullptr) const {
     return verify_by_simulation(corner_alone(task_, corner_), filter_, {delay}, uses);
   }
-  Verdict by_formula(int delay) {
-    if (formulas_hold(delay, surely_granted)) return Verdict::held;
-    return formulas_hold(delay, 1.0 + granted_tolerance) ? Verdict::close : Verdict::broken;
-  }
-  bool formulas_hold(int delay, double slack) {
-    return blend_.holds(delay, slack) && ramps_hold(limits_, blend_.legs(), slack);
-  }
 
   const Task& task_;
   const TaskCorner& corner_;
   const Filter& filter_;
   const FilterBehind& behind_;
-  const BlendLimits& limits_;
   bool simulate_;
   BlendCheck blend_;
 };

@@ -58,13 +58,11 @@ class BlendCheck {
   BlendCheck(const FilterBehind& behind, const TaskCorner& corner, const Task& task, const BlendLimits& limits)
       : behind_(behind), corner_(corner), period_(task.sample_period), limits_(limits), legs_(corner.geometry()) {}
 
-  /// @param slack  factor on the bounds
-  bool holds(int delay, double slack = formula_slack) {
+  bool holds(int delay) {
     // The error first: it takes a few samples, the limits all of them, and most time.
-    return error_holds(delay, slack) && speed_holds(delay, slack) && contour_holds(delay, slack) &&
-           limits_.holds(legs_.in.data(), legs_.out.data(), delay, slack, &hint_);
+    return error_holds(delay) && speed_use(delay) <= formula_slack && contour_use(delay) <= formula_slack &&
+           limits_hold(delay, formula_slack);
   }
-  const LegVelocities& legs() const { return legs_; }
 
   /// Whether a longer delay may hold where this one does not. If the legs do not turn back, the corner becomes only
   /// slower; not so if axes differ or overshoot.
@@ -73,24 +71,36 @@ class BlendCheck {
     double along = 0.0;
     for (std::size_t a = 0; a < legs_.in.size(); ++a) along += legs_.in[a] * legs_.out[a];
     const Corner& g = corner_.geometry();
-    return along < -1e-12 * g.feed_in * g.feed_out || speed_holds(delay, formula_slack);
+    return along < -1e-12 * g.feed_in * g.feed_out || speed_use(delay) <= formula_slack;
   }
 
   /// The cheapest part of it.
-  bool error_holds(int delay, double slack = formula_slack) const {
-    if (!corner_.error_max) return true;
-    const double error = corner_error(behind_, corner_.geometry(), delay, period_);
-    return judged_distance(error) <= *corner_.error_max * slack;
+  bool error_holds(int delay) const { return error_use(delay) <= formula_slack; }
+
+  /// The same with rounding allowed for, the start from rest and the stop included.
+  Verdict verdict(int delay) {
+    double most = error_use(delay);
+    if (verdict_by_formula(most) != Verdict::broken) most = std::max({most, speed_use(delay), contour_use(delay)});
+    const Verdict corner = verdict_by_formula(most);
+    if (corner == Verdict::broken) return corner;
+    if (all_hold(delay, surely_granted)) return corner;
+    return all_hold(delay, 1.0 + granted_tolerance) ? Verdict::close : Verdict::broken;
   }
 
  private:
-  bool contour_holds(int delay, double slack) const {
-    if (!corner_.contour_max) return true;
-    const double deviation = measure(behind_, corner_.geometry(), delay, period_).contour_deviation;
-    return judged_distance(deviation) <= *corner_.contour_max * slack;
+  double error_use(int delay) const {
+    if (!corner_.error_max) return 0.0;
+    const double error = corner_error(behind_, corner_.geometry(), delay, period_);
+    return utilisation_of(LimitKind::corner_error, judged_distance(error), *corner_.error_max);
   }
-  bool speed_holds(int delay, double slack) const {
-    if (!(corner_.speed_min > 0.0)) return true;
+  double contour_use(int delay) const {
+    if (!corner_.contour_max) return 0.0;
+    const double deviation = measure(behind_, corner_.geometry(), delay, period_).contour_deviation;
+    return utilisation_of(LimitKind::contour, judged_distance(deviation), *corner_.contour_max);
+  }
+  double speed_use(int delay) const {
+    if (!(corner_.speed_min > 0.0)) return 0.0;
+    double least = unlimited;
     const int last = behind_.longest_order() + delay + settling;
     for (int k = 0; k <= last; ++k) {
       double speed_squared = 0.0;
@@ -99,10 +109,14 @@ class BlendCheck {
         const double v = legs_.in[a] * motion.remaining(k) + legs_.out[a] * motion.cumulative(k - delay);
         speed_squared += v * v;
       }
-      if (corner_.speed_min > std::sqrt(speed_squared) * slack) return false;
+      least = std::min(least, speed_squared);
     }
-    return true;
+    return utilisation_of(LimitKind::speed_min, std::sqrt(least), corner_.speed_min);
   }
+  bool limits_hold(int delay, double slack) {
+    return limits_.holds(legs_.in.data(), legs_.out.data(), delay, slack, &hint_);
+  }
+  bool all_hold(int delay, double slack) { return limits_hold(delay, slack) && ramps_hold(limits_, legs_, slack); }
 
   const FilterBehind& behind_;
   const TaskCorner& corner_;
