@@ -10,7 +10,7 @@
 
 namespace accdec::comparison {
 
-/// What a `margin` or `delay` problem fixes.
+/// The order, delays, samples and frequencies that a `margin` or `delay` problem fixes.
 InstanceProof::Place place_of(const ComparisonCase& subject);
 /// The certificate of a `margin` or `delay` problem's bound; null without parts.
 /// @param lower  none: no filter holds all limits
