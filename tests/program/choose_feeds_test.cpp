@@ -193,9 +193,9 @@ TEST(FeedSchedule, TheSearchFindsNothingSlowerThanAnyLengthOfTheGrid) {
   for (const int order : {7, 14, 21, 35, 50, 80}) EXPECT_LE(found, samples(boxcar(order)) * 102 / 100) << order;
 }
 
-// Without time no plan holds. Then the program stops at every joint, which a short filter makes very slow: it steps to
-// no more than a slow feed.
-TEST(FeedSchedule, WithoutTimeTheSearchFindsTheFilterThatStopsFastest) {
+// Without time the filter is a guess. Its one plan of chosen feeds is at least as fast as stops at every joint with any
+// of these filters.
+TEST(FeedSchedule, WithoutTimeTheFilterIsNoSlowerThanStopsWithTheBestOne) {
   Machine machine = machine_within(0.2, 1.0, 50.0);
   machine.axes.pop_back();  // the program has no Z
   std::mt19937 random(24);
@@ -211,9 +211,10 @@ TEST(FeedSchedule, WithoutTimeTheSearchFindsTheFilterThatStopsFastest) {
     const ScheduledPlan plan = stop_everywhere(path, filter, period, machine);
     return all_holds(plan.plan) ? plan.plan.simulation.samples : INT64_MAX;
   };
-  const auto found = samples(*search.filter);
+  const ScheduledPlan found = schedule_feeds(path, *search.filter, period, machine);
+  ASSERT_TRUE(all_holds(found.plan));
   for (const int order : {40, 50, 60, 80, 100, 120, 150, 200})
-    EXPECT_LE(found, samples(trapezoid(order, 20)) * 102 / 100) << order;
+    EXPECT_LE(found.plan.simulation.samples, samples(trapezoid(order, 20))) << order;
 }
 
 // Moves shorter than the filter: most plans hold after more rounds than judge most filters, and many never do.
