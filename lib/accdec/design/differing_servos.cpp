@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design/differing_servos.hpp>
+#include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/verify.hpp>
@@ -118,14 +119,19 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
     } catch (const std::runtime_error&) {     // it is not installed
     }
   }
+  // Designs for one servo may all fail behind the others. Two averages are tried with the servos as they are.
+  if (!stopped() && !designs.best().has_design()) {
+    const DesignResult averages = best_member(task, *find_family("trapezoid"), left()).result;
+    designs.offer(averages, left(), options.cancel);
+  }
   DesignResult best = designs.best();
   const bool differ = servos_differ(task.machine);
   if (best.has_design())
     best.message = differ ? "axes respond differently: verified, and not proved to be the fastest"
                           : "response_taps has negative taps: verified, and not proved to be the fastest";
   else
-    best.message = differ ? "no design was found for axes with different servos"
-                          : "no design was found behind response_taps with negative taps";
+    best.message = differ ? "no design was found for axes with different servos; there may be one"
+                          : "no design was found behind response_taps with negative taps; there may be one";
   if (stopped()) best.stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
   return best;
 }
