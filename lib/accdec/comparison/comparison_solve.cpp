@@ -63,6 +63,20 @@ batch::Row counts_row(const nlp::Counts& n) {
           {"hessian", n.hessian}};
 }
 
+solvers::Result answer_into(batch::Row& row, const Competitor& competitor, const nlp::Problem& problem,
+                            std::span<const double> start, const solvers::Options& options) {
+  const ExternalSolver* program = competitor.program();
+  ProgramEnd end;
+  solvers::Result result =
+      program
+          ? ExternalSolver(program->external(), [&](const ProgramEnd& e) { end = e; }).solve(problem, start, options)
+          : competitor.registered().solve(problem, start, options);
+  row["claim"] = end.crashed ? claim_crashed : to_string(result.claim);
+  if (end.crashed || end.killed) row["ended"] = end.crashed ? claim_crashed : claim_killed;
+  if (end.late) row["late_claim"] = to_string(*end.late);
+  return result;
+}
+
 solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
   solvers::Options options;
   options.tolerance = settings_.tolerance;
@@ -94,10 +108,8 @@ void Comparison::solve_into(batch::Row& row, const ScheduledRun& entry) const {
   });
   const nlp::Problem& problem = reduced ? *subject.problem(true) : static_cast<const nlp::Problem&>(recorded);
   const auto began = Clock::now();
-  solvers::Result result = competitor.registered().solve(problem, start, options);
+  const solvers::Result result = answer_into(row, competitor, problem, start, options);
   const auto& history = reduced ? result.history : recorded.history();
-
-  row["claim"] = to_string(result.claim);
   row["message"] = result.message;
   if (result.claim == solvers::Claim::refused) return;
   double objective = 0.0;
