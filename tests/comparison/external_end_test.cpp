@@ -71,7 +71,7 @@ class MarginAnswer : public testing::CommandInFolder {
   }
 };
 
-// Solvers hold the row of the error relative to its size. What their taps need is known without them.
+// Solvers hold the row of the error relative to its size. The sigma that their taps need follows without them.
 TEST_F(MarginAnswer, SigmaIsWhatItsTapsNeed) {
   for (const double missing : {0.0, 2.6e-7, 9e-5}) {
     const batch::Row row = answered(boxcar_sigma * (1.0 - missing));
@@ -145,8 +145,9 @@ class ProgramEnds : public testing::CompareCommand {
           "\"values\"\n",
           name);
     }
-    testing::write(home_ / "ends.toml", text + "[[problem]]\nname = \"small\"\ntask = \"task.toml\"\nformulation = "
-                                               "\"margin\"\norder = 30\ndelay_samples = 12\n");
+    testing::write(home_ / "ends.toml", text +
+                                            "[[problem]]\nname = \"small\"\ntask = \"task.toml\"\nformulation = "
+                                            "\"margin\"\norder = 30\ndelay_samples = 12\n");
     const testing::Outcome outcome = run("compare ends.toml --out out --workers 2");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   }
