@@ -83,6 +83,12 @@ TEST(ComparisonData, WrongClaimsThatThereIsNoAnswerAreInTheSummary) {
   }
 }
 
+// Below 2.2e-308 numbers have fewer digits, but they are numbers.
+TEST(ComparisonData, RecordsNumbersBelowTheNormalRange) {
+  for (const double x : {1e-310, 5e-324, 0.0, -1e-310}) EXPECT_EQ(batch::number(x).get<double>(), x);
+  EXPECT_TRUE(batch::number(INFINITY).is_null());
+}
+
 // Variants are entries under names of their own; an algorithm's own name, or one of its forms, is none.
 TEST(ComparisonData, TellsVariantsFromPlainSolvers) {
   std::string four = header;

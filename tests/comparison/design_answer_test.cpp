@@ -142,6 +142,29 @@ TEST(NamedValues, AreReadAsSolversWriteThem) {
   EXPECT_EQ(read_names("solution status: unbounded\n", 1).claim, Claim::unbounded);
 }
 
+// Words that leave open whether there is an answer deny none. The state of a point is none of the problem.
+TEST(NamedValues, OnlyFirmWordsDenyAnAnswer) {
+  const auto highs = read_names("Model status\nTime limit reached\n\n# Primal solution values\nInfeasible\n", 2);
+  EXPECT_EQ(highs.claim, Claim::time_limit);
+  EXPECT_EQ(read_names("Model status\nTime limit reached\n\n# Primal solution values\nInfeasible\nX1 1\n", 2).claim,
+            Claim::time_limit);
+  EXPECT_EQ(read_names("Model status\nInfeasible\n\n# Primal solution values\nNone\n\n# Dual solution values\n"
+                       "Feasible\n",
+                       2)
+                .claim,
+            Claim::infeasible);
+  for (const char* open : {"Problem is infeasible or unbounded", "status: unbounded or infeasible",
+                           "no feasible solution found, problem is not infeasible", "No feasible solution found",
+                           "no optimal solution was found\nthe problem may be infeasible",
+                           "infeasibility is possible: possibly infeasible", "Status: INFEASIBLE (INTERMEDIATE)"})
+    EXPECT_EQ(read_names(std::string(open) + "\n", 2).claim, Claim::failed) << open;
+  for (const char* firm : {"PROBLEM HAS NO FEASIBLE SOLUTION", "PROBLEM HAS NO INTEGER FEASIBLE SOLUTION",
+                           "The problem is infeasible!", "Result - Problem proven infeasible",
+                           "maybe infeasible or unbounded\nstatus: infeasible", "Status: INFEASIBLE (FINAL)"})
+    EXPECT_EQ(read_names(std::string(firm) + "\n", 2).claim, Claim::infeasible) << firm;
+  EXPECT_EQ(read_names("time limit reached, no feasible solution found\n", 2).claim, Claim::time_limit);
+}
+
 TEST(NamedValues, WrongOnesAreRefused) {
   EXPECT_THROW(read_names("X3 1\n", 2), std::invalid_argument);
   EXPECT_THROW(read_names("X99999999999999999999 1\nhello\n", 2), std::invalid_argument);
@@ -150,6 +173,7 @@ TEST(NamedValues, WrongOnesAreRefused) {
   EXPECT_THROW(read_names("nothing that is known\n", 2), std::invalid_argument);
   EXPECT_TRUE(std::isnan(read_names("X1 nan\n", 1).x[0]));
   EXPECT_TRUE(std::isinf(read_names("X1 1e999\n", 1).x[0]));
+  EXPECT_THAT(read_names("X1 1e-310\nX2 1e-999\n", 2).x, ElementsAre(1e-310, 0.0));
 }
 
 }  // namespace

@@ -92,6 +92,7 @@ TEST_F(ExternalScript, BadAnswersFailWithTheReason) {
              {"echo help >&2", "help"},
              {"echo solved > \"$2\"; kill -SEGV $$", "ended by signal 11"},
              {"printf 'solved\\n1\\n2\\n' > \"$2\"", "2 values"},
+             {"printf 'solved\\n1\\n' > \"$2\"", "has 1 value; the problem"},
              {"yes 1 | head -100000 | (echo solved; cat) > \"$2\"", "more than"},
              {"printf 'solved\\n1\\nzwei\\n' > \"$2\"", "\"zwei\" where a number belongs"},
              {"printf 'done\\n' > \"$2\"", "no claim"},

@@ -78,6 +78,15 @@ class HypercubeSuite : public testing::CompareCommand {
   }
 };
 
+TEST_F(HypercubeSuite, MarginIsNoFormulationOfHypercubes) {
+  drawn("", "\"corner.*.angle_deg\" = [20, 170]");
+  std::string text = testing::content(home_ / "drawn.toml");
+  text.replace(text.find("\"design\""), 8, "\"margin\"");
+  testing::write(home_ / "drawn.toml", text);
+  EXPECT_THAT(run("compare drawn.toml --out none").output,
+              ::testing::HasSubstr("unknown formulation of a hypercube \"margin\"; known are delay, design"));
+}
+
 TEST_F(HypercubeSuite, EveryCellIsUsedOnceByEachCornerByItself) {
   const int count = 20;
   const Suite suite = drawn("corners = 3\nseed = 3\nexpected = \"feasible\"\norder_factor = [1, 3]",

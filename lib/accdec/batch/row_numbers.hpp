@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cmath>
-#include <string>
+#include <cstdlib>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -14,7 +14,8 @@ using Row = nlohmann::ordered_json;
 /// A number of a raw record, rounded to this many significant digits; null if it is not finite.
 inline Row rounded(double x, int digits) {
   if (!std::isfinite(x)) return nullptr;
-  return std::stod(fmt::format("{:.{}g}", x, digits));
+  // std::stod refuses numbers below 2.2e-308.
+  return std::strtod(fmt::format("{:.{}g}", x, digits).c_str(), nullptr);
 }
 /// Twelve digits: the others are rounding of unit conversions, and 59.00000000000001 ms reads badly.
 inline Row number(double x) {

@@ -225,7 +225,7 @@ class Reader {
     a.success = 2 * a.successes > repeats.size();
     const auto first =
         std::find_if(outcomes.begin(), outcomes.end(), [&](const Outcome& o) { return o.success == a.success; });
-    take_single(a, *repeats[static_cast<std::size_t>(first - outcomes.begin())], *first);
+    take_single(a, *repeats[static_cast<std::size_t>(first - outcomes.begin())], *first, c);
     a.message = text(*repeats.front(), "message");
     if (c.infeasible || std::isnan(c.reference)) return;
     for (std::size_t t = 0; t < data_.targets.size(); ++t) {
@@ -241,11 +241,16 @@ class Reader {
     return n == row.end() ? 0.0 : std::max(number_in(*n, "objective", 0.0), number_in(*n, "rows", 0.0));
   }
 
-  static void take_single(Attempt& a, const batch::Row& row, const Outcome& outcome) {
+  static void take_single(Attempt& a, const batch::Row& row, const Outcome& outcome, const ComparedCase& c) {
     a.judgement = outcome.judgement;
     a.gap = outcome.gap;
     a.claim = row.at("claim");
+    if (const std::string late = text(row, "late_claim"); a.claim == "time limit" && !late.empty()) {
+      a.claim = late;
+      if (!wrong_claim(c, a)) a.claim = "time limit";
+    }
     a.accepted = a.claim != "refused";
+    a.lost = lost(a.claim) || row.contains("ended");
     a.objective = number_in(row, "objective");
     a.violation = number_in(row, "violation");
     a.evaluation_time = number_in(row, "evaluation_time_s", 0.0);

@@ -56,10 +56,12 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 /// A solver on a case from a start, all repeats together. The outcome is that of most repeats; single values are from
 /// the first of these.
 struct Attempt {
+  /// An answer of a program after the time limit claims "time limit". If its own claim is wrong, it stands.
   std::string claim = "missing", message;
   Judgement judgement = Judgement::none;
   bool success = false;  ///< reached; on an infeasible case: claimed "infeasible", not only that no design was found
   bool accepted = true;  ///< false: refused
+  bool lost = false;     ///< its process, or the program that it started, was killed or crashed
   double objective = 0.0, gap = 0.0, violation = 0.0;  ///< gap relative to max(1, reference); NaN where there is none
   std::vector<double> times;                           ///< s, one per repeat
   std::size_t successes = 0;                           ///< repeats

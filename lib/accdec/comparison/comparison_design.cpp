@@ -77,8 +77,7 @@ void Comparison::choice_into(batch::Row& row, const ScheduledRun& entry, const C
   }
   const Filter filter = subject.start_filter(entry.start, settings_.seed);
   for (int k = 1; k <= subject.spec().order; ++k) choice.start[static_cast<std::size_t>(k) - 1] = filter.cumulative(k);
-  const solvers::Result result = competitor.registered().solve(choice.problem, choice.start, solver_options(entry));
-  row["claim"] = to_string(result.claim);
+  const solvers::Result result = answer_into(row, competitor, choice.problem, choice.start, solver_options(entry));
   if (entry.repeat == 0) row["message"] = result.message;
   if (result.claim == Claim::refused) return;
   row["wall_time_s"] = batch::seconds(result.wall_time);

@@ -5,9 +5,13 @@
 #include <fmt/format.h>
 
 #include <accdec/batch/row_numbers.hpp>
+#include <accdec/comparison/comparison_data.hpp>
 #include <accdec/comparison/comparison_run.hpp>
+#include <accdec/comparison/design_answer.hpp>
+#include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
 #include <accdec/comparison/run_rows.hpp>
+#include <accdec/design/formulation.hpp>
 #include <accdec/files.hpp>
 #include <accdec/nlp/violation.hpp>
 #include <accdec/solver.hpp>
@@ -18,9 +22,22 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Largest violation of any bound or row; infinite where something is not finite.
-double violation_of(const nlp::Problem& problem, const std::vector<double>& x, double& objective) {
+///
+/// A margin's sigma only bounds the errors of its taps. So the point is judged with the sigma that these need, if its
+/// own is smaller. How much smaller is a violation, relative to it, unless solvers' tolerances explain it.
+double violation_of(const nlp::Problem& problem, std::vector<double> x, double& objective) {
+  double shortfall = 0.0;
+  if (const auto* margin = dynamic_cast<const MarginProblem*>(&problem)) {
+    double& sigma = x[static_cast<std::size_t>(margin->sigma())];
+    const double needed = margin->least_sigma(x);
+    if (sigma < needed) {
+      shortfall = (needed - sigma) / std::max(1.0, needed);
+      sigma = needed;
+    }
+  }
   objective = problem.objective(x);
-  return std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
+  const double broken = std::isfinite(objective) ? nlp::largest_violation(problem, x) : nlp::infinity;
+  return shortfall > replaced_violation ? std::max(broken, shortfall) : broken;
 }
 
 }  // namespace
@@ -44,6 +61,20 @@ batch::Row counts_row(const nlp::Counts& n) {
           {"rows", n.rows},
           {"jacobian", n.jacobian},
           {"hessian", n.hessian}};
+}
+
+solvers::Result answer_into(batch::Row& row, const Competitor& competitor, const nlp::Problem& problem,
+                            std::span<const double> start, const solvers::Options& options) {
+  const ExternalSolver* program = competitor.program();
+  ProgramEnd end;
+  solvers::Result result =
+      program
+          ? ExternalSolver(program->external(), [&](const ProgramEnd& e) { end = e; }).solve(problem, start, options)
+          : competitor.registered().solve(problem, start, options);
+  row["claim"] = end.crashed ? claim_crashed : to_string(result.claim);
+  if (end.crashed || end.killed) row["ended"] = end.crashed ? claim_crashed : claim_killed;
+  if (end.late) row["late_claim"] = to_string(*end.late);
+  return result;
 }
 
 solvers::Options Comparison::solver_options(const ScheduledRun& entry) const {
@@ -77,10 +108,8 @@ void Comparison::solve_into(batch::Row& row, const ScheduledRun& entry) const {
   });
   const nlp::Problem& problem = reduced ? *subject.problem(true) : static_cast<const nlp::Problem&>(recorded);
   const auto began = Clock::now();
-  solvers::Result result = competitor.registered().solve(problem, start, options);
+  const solvers::Result result = answer_into(row, competitor, problem, start, options);
   const auto& history = reduced ? result.history : recorded.history();
-
-  row["claim"] = to_string(result.claim);
   row["message"] = result.message;
   if (result.claim == solvers::Claim::refused) return;
   double objective = 0.0;

@@ -69,7 +69,7 @@ struct Tally {
       if (c.infeasible) ++judged[position(Judgement::impossible)];
       return;
     }
-    if (comparison::lost(a.claim)) ++lost;
+    if (a.lost) ++lost;
     ++judged[position(a.judgement)];
     if (c.infeasible && a.success) ++recognised;
     if (c.infeasible && a.claim == "no design") ++none_found;

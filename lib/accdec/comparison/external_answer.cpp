@@ -2,7 +2,8 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <limits>
+#include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -18,15 +19,21 @@ namespace {
 
 using solvers::Claim;
 
-double number_of(const std::string& word) {
+/// A word that is a number: infinite if it is too large, and 0 or below the normal range if it is small.
+std::optional<double> parsed_number(const std::string& word) {
   double x = 0.0;
   const bool plus = word.starts_with('+') && !word.starts_with("+-");  // from_chars knows no plus
   const auto [end, error] = std::from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), x);
-  if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
-  if (error != std::errc() || end != word.data() + word.size())
+  if (word.empty() || end != word.data() + word.size() || error == std::errc::invalid_argument) return std::nullopt;
+  return error == std::errc::result_out_of_range ? std::strtod(word.c_str(), nullptr) : x;
+}
+
+double number_of(const std::string& word) {
+  const std::optional<double> x = parsed_number(word);
+  if (!x)
     throw std::invalid_argument(
         fmt::format("its answer has \"{}\" where a number belongs", printable(word.substr(0, 40))));
-  return x;
+  return *x;
 }
 
 Claim claim_of_code(int code) {
@@ -45,11 +52,22 @@ std::string in_small(std::string text) {
   return text;
 }
 
+bool says(const std::string& line, const char* word) {
+  return line.find(word) != std::string::npos;
+}
+
+/// Whether a line that tells of no answer leaves open whether there is one.
+bool leaves_open(const std::string& line) {
+  if (says(line, "infeasible") && says(line, "unbounded")) return true;  // one of the two
+  if (says(line, "no feasible") && says(line, "found")) return true;     // the search ended, nothing is proved
+  constexpr const char* words[] = {"not infeasible", "not unbounded", "not proven", "not proved", "may be",
+                                   "might be",       "could be",      "possibly",   "probably",   "infeasible (inter"};
+  return std::any_of(std::begin(words), std::end(words), [&](const char* word) { return says(line, word); });
+}
+
 /// The claim in a line of a solver's words, if there is one.
 std::optional<Claim> claim_in(const std::string& line) {
-  constexpr std::pair<const char*, Claim> words[] = {{"infeasible or unbounded", Claim::infeasible},
-                                                     {"unbounded or infeasible", Claim::infeasible},
-                                                     {"unbounded", Claim::unbounded},
+  constexpr std::pair<const char*, Claim> words[] = {{"unbounded", Claim::unbounded},
                                                      {"time limit", Claim::time_limit},
                                                      {"stopped on time", Claim::time_limit},
                                                      {"non-optimal", Claim::acceptable},
@@ -57,6 +75,8 @@ std::optional<Claim> claim_in(const std::string& line) {
                                                      {"suboptimal", Claim::acceptable},
                                                      {"infeasible", Claim::infeasible},
                                                      {"no feasible", Claim::infeasible},
+                                                     {"no integer feasible", Claim::infeasible},
+                                                     {"no primal feasible", Claim::infeasible},
                                                      {"integer empty", Claim::infeasible},
                                                      {"integer undefined", Claim::failed},
                                                      {"no optimal", Claim::failed},
@@ -70,10 +90,17 @@ std::optional<Claim> claim_in(const std::string& line) {
                                                      {"optimal", Claim::solved}};
   // Names of options and of tests, no claims.
   if (line.find("optimality") != std::string::npos && line.find(" not") == std::string::npos) return std::nullopt;
+  const bool no_answer = says(line, "infeasible") || says(line, "unbounded") || says(line, "no feasible");
+  if (no_answer && !says(line, "time limit") && leaves_open(line)) return Claim::failed;
   for (const auto& [word, claim] : words) {
-    if (line.find(word) != std::string::npos) return claim;
+    if (says(line, word)) return claim;
   }
   return std::nullopt;
+}
+
+/// Whether a heading says that the next line is the state of a point: HiGHS writes "Infeasible" there if it found none.
+bool heads_point(const std::string& line) {
+  return line.starts_with("# primal solution") || line.starts_with("# dual solution");
 }
 
 /// The number of a name X1, X2, ..; 0 for any other word.
@@ -87,10 +114,7 @@ std::size_t column_of(const std::string& word) {
 /// The first number among the rest of a line's words; "*" and the like may stand before it.
 std::optional<double> number_after(std::istringstream& words) {
   for (std::string word; words >> word;) {
-    double x = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-    if (end == word.data() + word.size() && end != word.data())
-      return error == std::errc() ? x : std::numeric_limits<double>::infinity();
+    if (const std::optional<double> x = parsed_number(word)) return x;
   }
   return std::nullopt;
 }
@@ -147,9 +171,9 @@ ExternalAnswer read_values(const std::string& text, std::size_t columns) {
     if (answer.x.size() > columns) break;
   }
   if (!answer.x.empty() && answer.x.size() != columns)
-    throw std::invalid_argument(fmt::format("its answer has {}{} values; the problem has {} variables",
-                                            answer.x.size() > columns ? "more than " : "",
-                                            std::min(answer.x.size(), columns), columns));
+    throw std::invalid_argument(fmt::format(
+        "its answer has {}{} {}; the problem has {} variables", answer.x.size() > columns ? "more than " : "",
+        std::min(answer.x.size(), columns), std::min(answer.x.size(), columns) == 1 ? "value" : "values", columns));
   return answer;
 }
 
@@ -160,6 +184,7 @@ ExternalAnswer read_names(const std::string& text, std::size_t columns) {
   // Multipliers may follow under the same names, behind a line that says so. The first list is the answer.
   std::vector<int> list_of(columns);
   int list = 1;
+  bool of_point = false;
   for (std::string line; std::getline(in, line);) {
     std::istringstream words(line);
     std::size_t column = 0;
@@ -177,7 +202,9 @@ ExternalAnswer read_names(const std::string& text, std::size_t columns) {
     ++list;
     if (answer.x.empty()) {
       // The last word before the values: a log tells of relaxations and limits first.
-      if (const auto found = claim_in(in_small(line))) claim = found, answer.message = printable(line.substr(0, 200));
+      const std::string small = in_small(line);
+      const auto found = std::exchange(of_point, heads_point(small)) ? std::nullopt : claim_in(small);
+      if (found) claim = found, answer.message = printable(line.substr(0, 200));
     }
   }
   if (!claim && answer.x.empty()) throw std::invalid_argument("its answer names no variable and says nothing known");

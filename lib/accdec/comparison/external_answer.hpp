@@ -23,8 +23,9 @@ ExternalAnswer read_sol(const std::string& text, std::size_t columns);
 /// Without a point there are no numbers. @throws as read_sol
 ExternalAnswer read_values(const std::string& text, std::size_t columns);
 
-/// Lines with a name X1, X2, .. and, after it, a number; variables not named are 0. The claim is that of the first line
-/// that says infeasible, unbounded, a limit of time, or optimal; without one it is acceptable if there are values.
+/// Lines with a name X1, X2, .. and, after it, a number; variables not named are 0. The claim is that of the last line
+/// before them that says infeasible, unbounded, a limit of time, or optimal; without one it is acceptable if there are
+/// values. Words that leave open whether there is an answer are a failure, and the state of a point is no claim.
 /// Solution files of cbc, HiGHS, SCIP, glpsol, Gurobi, and the output of lp_solve and SYMPHONY, are such texts.
 /// @throws std::invalid_argument for a name beyond the columns, or a text without names and words
 ExternalAnswer read_names(const std::string& text, std::size_t columns);

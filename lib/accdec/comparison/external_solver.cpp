@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -29,6 +30,8 @@ using solvers::Claim;
 
 /// A file of more bytes is no answer to a problem of at most 10^5 variables.
 constexpr std::uintmax_t most_answer_bytes = 100'000'000;
+/// Linux has signals up to this one. A shell's exit code for a program that one ended is 128 more.
+constexpr int last_signal = 64;
 
 class ScratchFolder {
  public:
@@ -85,21 +88,37 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// Redirections and operators of a shell would be arguments of the program.
+void refuse_operator(const std::string& word) {
+  constexpr std::array signs{">", "<", "|", "&", "1>", "2>"};
+  const auto begins = [&](const char* sign) { return word.starts_with(sign); };
+  if (word == ";" || std::any_of(signs.begin(), signs.end(), begins))
+    throw std::invalid_argument(fmt::format(
+        "\"{}\" in `command` would be an argument, as no shell runs; allowed are sh -c '..', and quotes around an "
+        "argument",
+        printable(word.substr(0, 20))));
+}
+
 }  // namespace
 
 std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places) {
   std::vector<std::string> words;
   std::string word;
-  bool begun = false;
+  bool begun = false, quoted = false;
   char quote = 0;
+  const auto end_word = [&] {
+    if (begun && !quoted) refuse_operator(word);
+    if (begun) words.push_back(std::exchange(word, {}));
+    begun = quoted = false;
+  };
   for (std::size_t i = 0; i < command.size(); ++i) {
     const char c = command[i];
     if (quote ? c != quote : std::isspace(static_cast<unsigned char>(c)) == 0) begun = true;
     if (quote ? c == quote : c == '\'' || c == '"') {
       quote = quote ? '\0' : c;
+      quoted = true;
     } else if (!quote && std::isspace(static_cast<unsigned char>(c)) != 0) {
-      if (begun) words.push_back(std::exchange(word, {}));
-      begun = false;
+      end_word();
     } else if (c != '{' && c != '}') {
       word += c;
     } else if (command.substr(i + 1, 1) == std::string(1, c)) {
@@ -118,7 +137,7 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
     }
   }
   if (quote) throw std::invalid_argument(fmt::format("a quote {} in `command` has no end", quote));
-  if (begun) words.push_back(word);
+  end_word();
   return words;
 }
 
@@ -142,6 +161,7 @@ void take_answer(const ExternalAnswer& answer, const instances::Text& text, cons
     if (const auto variable = static_cast<std::size_t>(text.variables[i]); variable < result.x.size())
       result.x[variable] = answer.x[i];
   }
+  for (const auto& [variable, form] : text.solved) result.x[static_cast<std::size_t>(variable)] = form(result.x);
   result.claimed_objective = problem.objective(result.x);  // this also records the point
   std::vector<double> rows(static_cast<std::size_t>(problem.num_rows()));
   problem.rows(result.x, rows);
@@ -154,6 +174,10 @@ solvers::Capabilities ExternalSolver::capabilities() const {
   can.integers = true;
   can.uses_hessian = external_.reads == "nl";
   return can;
+}
+
+void ExternalSolver::tell(const ProgramEnd& end) const {
+  if (ended_) ended_(end);
 }
 
 solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<const double> start,
@@ -190,30 +214,36 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
   limits.folder_goes = true;
   limits.most_memory = static_cast<std::size_t>(external_.memory_max) * 1'000'000;
   ask_for_one_thread();
+  ProgramEnd end;
   try {
     const LimitedOutput output = run_limited(words, folder.string(), limits);
     result.wall_time = output.seconds;
-    if (!output.stopped.empty()) {
+    const bool late = output.seconds > options.time_limit;
+    end.killed = !output.stopped.empty();
+    if (end.killed) {
       result.claim = output.seconds >= limits.seconds ? Claim::time_limit : Claim::failed;
       result.message = "killed: " + output.stopped;
+      tell(end);
       return result;
     }
-    result.message = fmt::format("exit code {}: {}", output.exit_code, last_line(output.output));
+    result.message = fmt::format("exit code {}: {}", output.exit_code,
+                                 last_line(output.messages.empty() ? output.output : output.messages));
     if (external_.memory_max > 0 && output.exit_code != 0)
       result.message += fmt::format(" (its processes may have {} MB each)", external_.memory_max);
-    // Statuses below 128 say nothing: csdp ends with 1 where there is no answer, and with 3 where its answer is near.
-    if (output.exit_code > 128)
-      throw std::invalid_argument(fmt::format("it was ended by signal {}", output.exit_code - 128));
+    // Other statuses say nothing: csdp ends with 1 where there is no answer, and with 3 where its answer is near.
+    end.crashed = output.exit_code > 128 && output.exit_code <= 128 + last_signal;
+    if (end.crashed) throw std::invalid_argument(fmt::format("it was ended by signal {}", output.exit_code - 128));
     const bool printed = external_.answer != "sol" && external_.command.find("{answer}") == std::string::npos;
     const ExternalAnswer answer =
         read_answer(external_.answer, printed ? output.output : content_of(answer_file), text.columns.size());
     take_answer(answer, text, problem, result);
-    if (result.wall_time > options.time_limit && result.claim != Claim::invalid_number)
-      result.claim = Claim::time_limit;
+    if (late && result.claim != Claim::invalid_number) end.late = std::exchange(result.claim, Claim::time_limit);
   } catch (const std::exception& error) {
-    result.claim = result.wall_time > options.time_limit ? Claim::time_limit : Claim::failed;
+    const bool late = result.wall_time > options.time_limit && !end.crashed;
+    result.claim = late ? Claim::time_limit : Claim::failed;
     result.message = fmt::format("{}{}{}", error.what(), result.message.empty() ? "" : "; ", result.message);
   }
+  tell(end);
   return result;
 }
 

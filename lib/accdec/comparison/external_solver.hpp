@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <accdec/solver.hpp>
@@ -11,8 +14,8 @@ namespace accdec::comparison {
 /// A solver that is a program of the user: [[external]] of a suite.
 struct External {
   std::string name;
-  std::string command;  ///< words; {nl}, {mps} or {cbf}, {answer}, {seconds} and {suite} are replaced
-  std::string reads;    ///< nl, mps or cbf
+  std::string command;  ///< words; {nl}, {mps}, {cbf} or {dat-s}, {answer}, {seconds} and {suite} are replaced
+  std::string reads;    ///< nl, mps, cbf or dat-s
   std::string answer;   ///< sol: AMPL's solution file; values: a word, then one number for each variable; names
   std::string folder;   ///< of the suite, for {suite}
   int memory_max = 0;   ///< MB that every process of it may have; 0: no limit
@@ -21,7 +24,8 @@ struct External {
 
 /// The words of a command. Spaces outside of quotes ('..' or "..") split it. {name} is replaced by the value of the
 /// place with this name; {{ and }} are braces of the command itself.
-/// @throws std::invalid_argument if a {name} is no place, or a brace or quote stands alone
+/// @throws std::invalid_argument if a {name} is no place, a brace or quote stands alone, or a word without quotes is an
+/// operator of a shell
 std::vector<std::string> command_words(const std::string& command, const std::map<std::string, std::string>& places);
 
 /// Hashes of the files that a command names; answers of an earlier run hold for the same files only. A name is a word,
@@ -30,13 +34,22 @@ std::vector<std::string> command_words(const std::string& command, const std::ma
 /// 1000 files. Files that these load do not count. In program_state.cpp.
 std::string program_state(const External& external);
 
+/// The end of a program's run, beside its answer.
+struct ProgramEnd {
+  bool killed = false;                 ///< it broke a limit of time, output or files
+  bool crashed = false;                ///< a signal ended it
+  std::optional<solvers::Claim> late;  ///< the claim of an answer after the time limit
+};
+
 /// Runs it for every problem in a folder of its own, with the limits of `run_limited`. It is killed
 /// `grace` after the time limit of the options, so that a program that keeps {seconds} can still write its answer. An
-/// answer after the limit claims no more than "time limit". Its answer is judged like every other. It gets problems in
-/// sparse form only.
+/// answer after the limit claims no more than "time limit"; `ProgramEnd` has its own claim. Its answer is judged like
+/// every other. It gets problems in sparse form only.
 class ExternalSolver final : public solvers::Solver {
  public:
-  explicit ExternalSolver(External external) : external_(std::move(external)) {}
+  /// @param ended  told the end of each run
+  explicit ExternalSolver(External external, std::function<void(const ProgramEnd&)> ended = {})
+      : external_(std::move(external)), ended_(std::move(ended)) {}
   std::string name() const override { return external_.name; }
   std::string library_version() const override { return "command: " + external_.command; }
   solvers::Capabilities capabilities() const override;
@@ -47,7 +60,10 @@ class ExternalSolver final : public solvers::Solver {
                            const solvers::Options& options) const override;
 
  private:
+  void tell(const ProgramEnd& end) const;
+
   External external_;
+  std::function<void(const ProgramEnd&)> ended_;
 };
 
 }  // namespace accdec::comparison

@@ -101,8 +101,8 @@ std::string counts_text(const ComparisonData& data) {
 
 constexpr const char* own_solver = R"([[external]]
 name = "my solver"
-command = "my-solver {nl} -AMPL"   # or {mps}, {cbf}; {answer}, {seconds} and {suite} are replaced, too
-reads = "nl"                       # the problem as AMPL's .nl, as free MPS or as CBF
+command = "my-solver {nl} -AMPL"   # or {mps}, {cbf}, {dat-s}; {answer}, {seconds} and {suite} are replaced, too
+reads = "nl"                       # the problem as AMPL's .nl, free MPS, CBF or sparse SDPA
 answer = "sol"                     # AMPL's .sol; "names": lines with a name and a value; "values": a claim and all numbers
 )";
 
@@ -112,12 +112,14 @@ std::string fairness_html(const ComparisonData& data) {
       "Each run is a process of its own with {:g} s; {} starts, {} repeats. An optimum is reached if a verified answer "
       "is within {:g} of it, relative to the larger of 1 and the optimum. The time is that until the solver ended, by "
       "the wall clock, of the runs that reached it. Wrong claims are solutions that break a limit or cannot exist, "
-      "\"infeasible\" where a solution is known, and any \"unbounded\".",
+      "\"infeasible\" where a solution is known, and any \"unbounded\". They count after the time limit, too.",
       h.value("time_limit_s", 0.0), data.starts, data.repeats, data.accuracy));
   text += html_paragraph(
       "Designs: solvers without whole variables search with rounding and repair around them. Solvers with whole "
       "variables get one problem with big-M rows. Taps that break a limit by a tolerance (0.01 %), or by the tangents "
-      "of an MPS file (0.13 %), are replaced by others at the same delays. By more, the answer is refused. The exact "
+      "of an MPS file (0.13 %), are replaced by others at the same delays. By more, the answer is refused. Margins: "
+      "the "
+      "`sigma` is recomputed from the taps, so that one too small by a tolerance (0.01 %) breaks nothing. The exact "
       "method is made for these problems, and the difficulty is counted in its own steps: neither is neutral.");
   text += html_paragraph(
       "Options are those of the suite, or the libraries' own, as below. They were not tuned for each solver alike. "

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -68,7 +69,7 @@ Task with_both_legs(Task task) {
 }
 
 double rounded(double value) {
-  return std::stod(fmt::format("{:.4g}", value));
+  return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
 }
 
 }  // namespace

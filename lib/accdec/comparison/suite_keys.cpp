@@ -167,10 +167,10 @@ std::vector<Key> hypercube_keys() {
                "order N over a simple estimate of the least one: the fastest start, a ramp of the acceleration where "
                "jerk is limited, and half a period of the slowest mode",
                {0.1, 100}, "[1.2, 2]", "[1, 3]"),
-          required(names("formulation", "as of a problem",
+          required(names("formulation", "as of a problem; `margin` needs delays, and none are drawn",
                          {std::string(to_string(comparison::Question::delay)),
                           std::string(to_string(comparison::Question::design))},
-                         "formulation", "\"design\"")),
+                         "formulation of a hypercube", "\"design\"")),
           number("time_limit_s", "time limit of a run of these problems", "s", 1e6, "that of the suite", "10"),
           word("expected", "whether they have an answer", {"feasible", "infeasible", "unknown"}, "unknown",
                "\"feasible\"")};
@@ -192,16 +192,16 @@ std::vector<Key> external_keys() {
   memory.unit = "MB";
   return {
       required(text_key("name", "name in tables and figures", "", "\"my solver\"")),
-      required(text_key(
-          "command",
-          "program and arguments, without a shell; quotes keep spaces; {nl}, {mps} or {cbf} (the problem), {answer}, "
-          "{seconds} and {suite} (its folder) are replaced; other braces are doubled; OMP_NUM_THREADS "
-          "and OPENBLAS_NUM_THREADS are 1 unless they are set",
-          "", "\"couenne {nl} -AMPL\"")),
+      required(text_key("command",
+                        "program and arguments, without a shell, so that redirections are refused outside of quotes; "
+                        "quotes keep spaces; {nl}, {mps}, {cbf} or {dat-s} (the problem), {answer}, "
+                        "{seconds} and {suite} (its folder) are replaced; other braces are doubled; OMP_NUM_THREADS "
+                        "and OPENBLAS_NUM_THREADS are 1 unless they are set",
+                        "", "\"couenne {nl} -AMPL\"")),
       word("reads",
            "format of the problem, as in `accdec instances`; `mps` holds whole designs only, the others every problem "
            "that they can",
-           {"nl", "mps", "cbf"}, "nl", "\"mps\""),
+           {"nl", "mps", "cbf", "dat-s"}, "nl", "\"mps\""),
       word(
           "answer",
           "`sol`: AMPL's solution file; `values`: a line with a claim (solved, acceptable, infeasible, unbounded, "
@@ -209,7 +209,8 @@ std::vector<Key> external_keys() {
           "time limit), then a number for each variable; `names`: lines with a variable's name in the file (X1, X2, .. "
           "in MPS) and its value, others are 0, the claim by words like \"optimal\" and \"infeasible\"; where "
           "`command` "
-          "has no {answer}, `sol` is the file beside {nl} and the others are what the program prints",
+          "has no {answer}, `sol` is the file beside {nl} and the others are what the program prints on standard "
+          "output",
           {"sol", "values", "names"}, "sol", "\"names\""),
       memory};
 }

@@ -93,6 +93,13 @@ Competitor read_external(const Table& table, const std::string& folder, double g
                                 grace};
   if (external.command.find("{" + external.reads + "}") == std::string::npos)
     table.fail_at("command", fmt::format("`command` needs {{{}}}, the place of the problem's file", external.reads));
+  if (external.answer == "sol" && external.reads != "nl") {
+    const std::string reason = fmt::format(
+        "`answer` = \"sol\" is AMPL's, of solvers that read \"nl\"; this one reads \"{}\": allowed are \"values\" and "
+        "\"names\"",
+        external.reads);
+    table.has("answer") ? table.fail_at("answer", reason) : table.fail_at("reads", reason);
+  }
   try {
     comparison::command_words(external.command, {{external.reads, ""}, {"answer", ""}, {"seconds", ""}, {"suite", ""}});
   } catch (const std::invalid_argument& error) {

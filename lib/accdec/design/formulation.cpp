@@ -116,14 +116,19 @@ std::vector<double> MarginProblem::start_from(const Filter& filter) const {
   std::vector<double> x(static_cast<std::size_t>(num_variables()), 0.0);
   fill_cumulative(filter, order_, x);
   fill_defined(*this, order_ + 1, x);
-  std::vector<double> c(static_cast<std::size_t>(num_rows()));
-  rows(x, c);
-  double sigma = 1.0;
+  x[static_cast<std::size_t>(sigma_)] = std::max(1.0, least_sigma(x));
+  return x;
+}
+
+double MarginProblem::least_sigma(std::span<const double> x) const {
+  std::vector<double> point(x.begin(), x.end()), c(static_cast<std::size_t>(num_rows()));
+  point[static_cast<std::size_t>(sigma_)] = 0.0;
+  rows(point, c);
+  double sigma = 0.0;
   for (const nlp::Entry& e : jacobian_pattern()) {
     if (e.column == sigma_) sigma = std::max(sigma, c[static_cast<std::size_t>(e.row)]);
   }
-  x[static_cast<std::size_t>(sigma_)] = sigma;
-  return x;
+  return sigma;
 }
 
 Filter filter_from(std::span<const double> x, int order) {

@@ -20,6 +20,8 @@ class MarginProblem : public QuadraticProblem {
   /// @param samples  k_j, the sample at which corner j's error is bounded
   MarginProblem(const Task& task, const FormulationOptions& options, std::span<const int> samples);
   int sigma() const { return sigma_; }
+  /// The least sigma with which the errors of a point hold. @param x  its own sigma does not matter
+  double least_sigma(std::span<const double> x) const;
   /// A start: the given filter's cumulative response and what follows from it.
   std::vector<double> start_from(const Filter& filter) const;
 

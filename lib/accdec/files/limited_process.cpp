@@ -76,9 +76,21 @@ void limit(decltype(RLIMIT_CPU) what, rlim_t value) {
   ::setrlimit(what, &both);
 }
 
-/// Becomes the program; reports errno to `errors` if that fails.
-[[noreturn]] void become(const std::vector<char*>& argv, const std::string& folder, const ProcessLimits& limits,
-                         int output, int errors) {
+/// The words of the program, its folder and its limits.
+struct Start {
+  const std::vector<char*>& argv;
+  const std::string& folder;
+  const ProcessLimits& limits;
+};
+
+/// The program's output, and errno of a start that failed.
+struct Channels {
+  Pipe output, messages, failure;
+};
+
+/// Becomes the program; reports errno if that fails.
+[[noreturn]] void become(const Start& start, const Channels& channels) {
+  const ProcessLimits& limits = start.limits;
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   limit(RLIMIT_CORE, 0);
@@ -88,24 +100,17 @@ void limit(decltype(RLIMIT_CPU) what, rlim_t value) {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   const int empty = ::open("/dev/null", O_RDONLY);
-  if (empty >= 0 && ::dup2(empty, 0) >= 0 && ::dup2(output, 1) >= 0 && ::dup2(output, 2) >= 0 &&
-      ::chdir(folder.c_str()) == 0)
-    ::execvp(argv[0], argv.data());
+  if (empty >= 0 && ::dup2(empty, 0) >= 0 && ::dup2(channels.output.ends[1], 1) >= 0 &&
+      ::dup2(channels.messages.ends[1], 2) >= 0 && ::chdir(start.folder.c_str()) == 0)
+    ::execvp(start.argv[0], start.argv.data());
   const int error = errno;
-  [[maybe_unused]] const ssize_t sent = ::write(errors, &error, sizeof error);
+  [[maybe_unused]] const ssize_t sent = ::write(channels.failure.ends[1], &error, sizeof error);
   ::_exit(127);
 }
 
 int code_of(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
-
-/// The words of the program, its folder and its limits.
-struct Start {
-  const std::vector<char*>& argv;
-  const std::string& folder;
-  const ProcessLimits& limits;
-};
 
 /// Waits until the program ends, or the caller closes its end of the lifeline. @return the program's exit code
 int wait_for(pid_t program, int lifeline, int ended) {
@@ -120,9 +125,13 @@ int wait_for(pid_t program, int lifeline, int ended) {
   }
 }
 
+void close_written(Channels& channels) {
+  for (Pipe* pipe : {&channels.output, &channels.messages, &channels.failure}) pipe->close(1);
+}
+
 /// Stands between the caller and the program, in a group of its own. It kills all that the program started when the
 /// program ends, or when the lifeline closes: so nothing outlives the caller, however the caller ends.
-[[noreturn]] void stand_guard(const Start& start, Pipe& output, Pipe& errors, Pipe& lifeline) {
+[[noreturn]] void stand_guard(const Start& start, Channels& channels, Pipe& lifeline) {
   ::setpgid(0, 0);
   lifeline.close(1);
   sigset_t child_ends;
@@ -134,13 +143,12 @@ int wait_for(pid_t program, int lifeline, int ended) {
   {
     OrphanCare care;
     const pid_t program = ::fork();
-    if (program == 0) become(start.argv, start.folder, start.limits, output.ends[1], errors.ends[1]);
+    if (program == 0) become(start, channels);
     if (program < 0) {
       const int error = errno;
-      [[maybe_unused]] const ssize_t sent = ::write(errors.ends[1], &error, sizeof error);
+      [[maybe_unused]] const ssize_t sent = ::write(channels.failure.ends[1], &error, sizeof error);
     }
-    output.close(1);
-    errors.close(1);
+    close_written(channels);
     if (program > 0) {
       ::setpgid(program, program);
       care.guard(program);
@@ -162,21 +170,26 @@ void release(Pipe& lifeline, pid_t guard) {
   }
 }
 
-/// Reads until the program ends, its output ends and it is waited for, or a limit is broken.
-void watch(pid_t child, int output, const ProcessLimits& limits, Clock::time_point began, LimitedOutput& result) {
-  ::fcntl(output, F_SETFL, O_NONBLOCK);
+/// Takes over what a pipe holds. @return whether there was room for it
+bool drain(int pipe, std::size_t most, const std::string& beside, std::string& text) {
   std::array<char, 65536> buffer{};
-  const auto drain = [&] {
-    for (ssize_t got = 0; (got = ::read(output, buffer.data(), buffer.size())) > 0;) {
-      const std::size_t room = limits.most_output - result.output.size();
-      result.output.append(buffer.data(), std::min(room, static_cast<std::size_t>(got)));
-      if (static_cast<std::size_t>(got) > room) return false;
-    }
-    return true;
-  };
+  for (ssize_t got = 0; (got = ::read(pipe, buffer.data(), buffer.size())) > 0;) {
+    const std::size_t room = most - text.size() - beside.size();
+    text.append(buffer.data(), std::min(room, static_cast<std::size_t>(got)));
+    if (static_cast<std::size_t>(got) > room) return false;
+  }
+  return true;
+}
+
+/// Reads until the program ends, its output ends and it is waited for, or a limit is broken.
+void watch(pid_t child, const Channels& channels, const ProcessLimits& limits, Clock::time_point began,
+           LimitedOutput& result) {
+  const int output = channels.output.ends[0], messages = channels.messages.ends[0];
+  for (const int pipe : {output, messages}) ::fcntl(pipe, F_SETFL, O_NONBLOCK);
   for (int status = 0;;) {
     const bool ended = ::waitpid(child, &status, WNOHANG) == child;
-    if (!drain()) {
+    if (!drain(output, limits.most_output, result.messages, result.output) ||
+        !drain(messages, limits.most_output, result.output, result.messages)) {
       result.stopped = fmt::format("it printed more than {} bytes", limits.most_output);
       return;
     }
@@ -190,9 +203,9 @@ void watch(pid_t child, int output, const ProcessLimits& limits, Clock::time_poi
       result.stopped = fmt::format("it ran longer than {:g} s", limits.seconds);
       return;
     }
-    pollfd wait{output, POLLIN, 0};
-    ::poll(&wait, 1, 2);
-    if ((wait.revents & POLLHUP) != 0) ::usleep(1000);
+    std::array<pollfd, 2> wait{{{output, POLLIN, 0}, {messages, POLLIN, 0}}};
+    ::poll(wait.data(), wait.size(), 2);
+    if (((wait[0].revents | wait[1].revents) & POLLHUP) != 0) ::usleep(1000);
   }
 }
 
@@ -203,22 +216,22 @@ LimitedOutput run_limited(const std::vector<std::string>& arguments, const std::
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  Pipe output, errors, lifeline;
+  Channels channels;
+  Pipe lifeline;
   OrphanCare care;
   const auto began = Clock::now();
   const pid_t guard = ::fork();
   if (guard < 0) throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(errno)));
-  if (guard == 0) stand_guard({argv, folder, limits}, output, errors, lifeline);
+  if (guard == 0) stand_guard({argv, folder, limits}, channels, lifeline);
   ::setpgid(guard, guard);
   care.guard(guard);
-  output.close(1);
-  errors.close(1);
+  close_written(channels);
   lifeline.close(0);
   int error = 0;
-  if (::read(errors.ends[0], &error, sizeof error) == sizeof error)
+  if (::read(channels.failure.ends[0], &error, sizeof error) == sizeof error)
     throw std::runtime_error(fmt::format("{} cannot be started: {}", arguments[0], std::strerror(error)));
   LimitedOutput result;
-  watch(guard, output.ends[0], limits, began, result);
+  watch(guard, channels, limits, began, result);
   result.seconds = seconds_since(began);
   if (!result.stopped.empty()) release(lifeline, guard);
   return result;

@@ -16,9 +16,10 @@ struct ProcessLimits {
 };
 
 struct LimitedOutput {
-  int exit_code = 0;    ///< 128 + signal if one ended it
-  std::string output;   ///< standard output and error as they came
-  std::string stopped;  ///< the limit that it broke; empty if it ended itself
+  int exit_code = 0;     ///< 128 + signal if one ended it
+  std::string output;    ///< standard output
+  std::string messages;  ///< standard error
+  std::string stopped;   ///< the limit that it broke; empty if it ended itself
   double seconds = 0.0;
 };
 

@@ -124,6 +124,8 @@ class Elimination {
     }
   }
   bool has(int variable) const { return values_.count(variable) > 0; }
+  /// Every solved variable, as a form in those that are left.
+  const std::map<int, Affine>& values() const { return values_; }
   Affine reduced(const Affine& form) const {
     Affine sum{form.constant, {}};
     for (const auto& [i, c] : form.terms) {
@@ -211,6 +213,7 @@ Text dat_s_text(const Instance& instance) {
     text.variables.push_back(static_cast<int>(i));
     numbers[i] = static_cast<int>(text.columns.size());
   }
+  text.solved.assign(elimination.values().begin(), elimination.values().end());
   SdpaEntries entries(numbers);
   std::string sizes;
   int block = 0;

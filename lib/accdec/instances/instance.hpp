@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <accdec/design/formulation.hpp>
@@ -61,7 +62,8 @@ struct Text {
   /// Names in the order of the file.
   std::vector<std::string> columns, rows;
   std::vector<int> variables;  ///< of each column of the file: its variable of the instance, or one more
-  std::string kind;            ///< "linear program", ..
+  std::vector<std::pair<int, Affine>> solved;  ///< variables of the instance without a column, as forms in the others
+  std::string kind;                            ///< "linear program", ..
   /// The relation of its optimum to that of the instance.
   std::string relation = "the same problem";
 };
