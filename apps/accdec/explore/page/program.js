@@ -181,10 +181,10 @@ function tables() {
   $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(columns, rows)));
   // The table has the class of motions; what else is to be said stands below it.
   const notes = [];
-  const bounds = plan.bounds.map(({ name, time_s, motions }) => {
+  const bounds = plan.bounds.map(({ name, time_s, motions, complete }) => {
     const [holds, ...more] = motions.split("; ");
     if (more.length) notes.push(make("p", { class: "small" }, `${name}: ${more.join("; ")}.`));
-    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), holds];
+    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), complete ? holds : `${holds} (unfinished: with more time it may be larger)`];
   });
   const head = ["bound", "time / s", "of this plan / %", "holds for"];
   $("#bounds").replaceChildren(
