@@ -1,10 +1,17 @@
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,18 +42,61 @@ struct ExploreArguments {
   double free_seconds = 0.0;  ///< for plan free of a program; 0: without it
 };
 
-/// The desktop's browser, which may outlive this program. @returns whether there is a way to open it
-bool open_browser(const std::string& address) {
+/// A file that sends a browser to an address, for this user alone: others read the words of a command line. It is there
+/// as long as this is.
+class PrivatePage {
+ public:
+  explicit PrivatePage(const std::string& address) {
+    std::string folder = std::filesystem::temp_directory_path() / "accdec-explore-XXXXXX";
+    if (::mkdtemp(folder.data()) == nullptr) return;  // with mode 0700
+    folder_ = folder;
+    const std::string text = fmt::format(
+        "<!doctype html><meta charset=\"utf-8\"><title>accdec explore</title>"
+        "<meta http-equiv=\"refresh\" content=\"0; url={0}\"><p><a href=\"{0}\">accdec explore</a></p>\n",
+        address);
+    const int file = ::open(path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    written_ = file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    if (file >= 0) ::close(file);
+  }
+  PrivatePage(const PrivatePage&) = delete;
+  PrivatePage& operator=(const PrivatePage&) = delete;
+  ~PrivatePage() {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+
+  bool written() const { return written_; }
+  std::filesystem::path path() const { return folder_ / "page.html"; }
+
+ private:
+  std::filesystem::path folder_;
+  bool written_ = false;
+};
+
+/// Whether a program has ended well, or goes on for longer than it takes to find out that there is no browser.
+bool ends_well(pid_t child) {
+  using namespace std::chrono_literals;
+  int status = 0;
+  for (int i = 0; i < 20; ++i) {
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended != 0) return ended == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    std::this_thread::sleep_for(50ms);
+  }
+  return true;
+}
+
+/// The desktop's browser, which may outlive this program. @returns whether it opens
+bool open_browser(const std::filesystem::path& page) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     posix_spawn_file_actions_addopen(&actions, file, "/dev/null", O_RDWR, 0);
-  std::string program = "xdg-open", argument = address;
+  std::string program = "xdg-open", argument = "file://" + page.string();
   char* const words[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
   const bool opened = ::posix_spawnp(&child, program.c_str(), &actions, nullptr, words, environ) == 0;
   posix_spawn_file_actions_destroy(&actions);
-  return opened;
+  return opened && ends_well(child);
 }
 
 /// The text that the page begins with.
@@ -78,10 +128,12 @@ void run(const ExploreArguments& arguments, Context& context) {
   const Interrupt interrupt;
   const auto serve =
       solvers::module_function<decltype(explore::accdec_explore_serve)>("explore", "accdec_explore_serve");
+  std::optional<PrivatePage> file;
   serve(
       {start, explore::page_files(), explore::answer},
       [&](const std::string& address) {
-        const bool opened = !arguments.no_browser && open_browser(address + page);
+        if (!arguments.no_browser) file.emplace(address + page);
+        const bool opened = file && file->written() && open_browser(file->path());
         if (context.quiet && opened) return;
         fmt::print("{}\n", address + page);
         if (!context.quiet)

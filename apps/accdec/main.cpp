@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <malloc.h>
@@ -18,8 +19,10 @@
 #include <accdec/files/suggestion.hpp>
 #include <accdec/files/temporaries.hpp>
 #include <accdec/formats/manifest.hpp>
+#include <accdec/solvers/module.hpp>
 
 #include "command.hpp"
+#include "explore/server.hpp"
 #include "option_checks.hpp"
 
 namespace accdec::cli {
@@ -50,20 +53,46 @@ void add_commands(CLI::App& app, Context& context) {
   add_schema(app, context);
 }
 
+/// The version of uPlot, which the first line of its file names: "(v1.6.32)".
+std::string uplot_version() {
+  for (const explore::PageFile& file : explore::page_files()) {
+    const std::size_t begin = file.text.find("(v");
+    if (file.name == "uPlot.iife.min.js" && begin < file.text.find('\n'))
+      return std::string(file.text.substr(begin + 2, file.text.find(')', begin) - begin - 2));
+  }
+  return "unknown";
+}
+
 std::string version_text() {
   std::string text = fmt::format("accdec {}\ncommit {}\n", ACCDEC_VERSION, source_commit());
   auto with = libraries();
   with.emplace_back("CLI11", CLI11_VERSION);
+  using Version = decltype(explore::accdec_explore_http_version);
+  with.emplace_back("cpp-httplib", solvers::module_function<Version>("explore", "accdec_explore_http_version")());
+  with.emplace_back("uPlot", uplot_version());
   std::sort(with.begin(), with.end());
   for (const auto& [name, number] : with)
     text += fmt::format("{}{} {}", &name == &with.front().first ? "" : ", ", name, number);
   return text;
 }
 
+auto first_word(std::vector<std::string>& arguments) {
+  return std::find_if(arguments.begin(), arguments.end(), [](const auto& a) { return !a.starts_with("-"); });
+}
+
+/// "help" and "help COMMAND" are "--help" and "COMMAND --help".
+std::vector<std::string> arguments_of(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (const auto word = first_word(arguments); word != arguments.end() && *word == "help") {
+    arguments.erase(word);
+    arguments.emplace_back("--help");
+  }
+  return arguments;
+}
+
 /// CLI11 would only say that a command is needed. @throws std::invalid_argument
-void check_command(const CLI::App& app, int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  const auto word = std::find_if(arguments.begin(), arguments.end(), [](const auto& a) { return !a.starts_with("-"); });
+void check_command(const CLI::App& app, std::vector<std::string>& arguments) {
+  const auto word = first_word(arguments);
   if (word == arguments.end()) return;
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
@@ -82,9 +111,11 @@ int run(int argc, char** argv) {
       "Exit code 0: done and verified; 1: no acceptable answer; 2: bad usage or input, or an output that cannot be "
       "written.");
   add_commands(app, context);
-  check_command(app, argc, argv);
+  std::vector<std::string> arguments = arguments_of(argc, argv);
+  check_command(app, arguments);
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
-    app.parse(argc, argv);
+    app.parse(std::move(arguments));
   } catch (const CLI::Success& success) {  // --help and --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {

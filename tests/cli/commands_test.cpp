@@ -43,6 +43,16 @@ TEST(Cli, HelpAndVersionGoToStandardOutput) {
   EXPECT_EQ(version.code, 0);
   EXPECT_THAT(version.out,
               ::testing::MatchesRegex("accdec [0-9]+\\.[0-9]+\\.[0-9]+\ncommit .*\nCLI11 .*Clp [0-9.]+.*\n"));
+  EXPECT_THAT(version.out, ::testing::ContainsRegex("cpp-httplib [0-9]+\\.[0-9]+"));
+  EXPECT_THAT(version.out, ::testing::ContainsRegex("uPlot [0-9]+\\.[0-9]+\\.[0-9]+"));
+}
+
+TEST(Cli, HelpIsAWordToo) {
+  EXPECT_EQ(run({"help"}).out, run({"--help"}).out);
+  const Outcome design = run({"help", "design"});
+  EXPECT_EQ(design.code, 0);
+  EXPECT_EQ(design.out, run({"design", "--help"}).out);
+  EXPECT_THAT(run({"help", "desing"}).err, HasSubstr("did you mean \"design\""));
 }
 
 TEST(Cli, EverySubcommandHasHelp) {

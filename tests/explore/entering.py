@@ -102,6 +102,64 @@ def no_number(page):
     check("is back" in said, said)
 
 
+def comma(page):
+    """A comma that is typed is a point; one that may divide thousands is refused in words."""
+    field = "document.querySelector('#corner-0-error_max_um')"
+    for typed, value in (("12,5", 12.5), ("1,25", 1.25), ("12.5", 12.5)):
+        page.value(f"{field}.focus(), {field}.select()")
+        for letter in typed:
+            page.browser.page("Input.insertText", text=letter)
+        check(page.value("accdecPage.state.task.corner[0].error_max_um") == value, f"{typed} typed is {value}")
+    page.value(f"{field}.select()")
+    page.browser.page("Input.insertText", text="1,250")
+    said = page.value(f"{field}.parentElement.querySelector('[role=alert]').textContent")
+    check("1,250 is not taken" in said and page.value("accdecPage.state.task.corner[0].error_max_um") == 12.5, said)
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
+def band(page):
+    """The ends of a band stay in their order, by slider and by number."""
+    page.value("accdecPage.state.set([[['mode'], [{ frequency_Hz: [18, 24], residual_max: 0.1 }]]], null, true)")
+    page.settle()
+    band = "accdecPage.state.task.mode[0].frequency_Hz"
+    page.value("(r => { r.value = r.max; r.dispatchEvent(new Event('input')); })"
+               "(document.querySelector('#mode-0-frequency_Hz-0-slider'))")
+    check(page.value(band) == [24, 24], "the lower end stops at the upper one")
+    page.enter("#mode-0-frequency_Hz-0", 20, "input")
+    page.enter("#mode-0-frequency_Hz-1", 19, "input")
+    said = page.value("document.querySelector('#mode-0-frequency_Hz-1').parentElement"
+                      ".querySelector('[role=alert]').textContent")
+    check("from 20" in said and page.value(band) == [20, 24], f"19 as the upper end: {said}")
+    page.enter("#mode-0-frequency_Hz-1", 30, "input")
+    check(page.value(band) == [20, 30], "30 is taken")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
+def removals(page):
+    """What can be removed leaves a task that the program takes."""
+    tasks = [{"baseline": {"kind": "averages", "lengths": [40]}, "design": {"family": "averages", "stages": 2}},
+             {"mode": [{"frequency_Hz": [18, 24], "residual_max": 0.1}]}]
+    first = json.loads(page.value("document.body.dataset.task"))
+    drops = "[...document.querySelectorAll('#controls .drop')].filter(b => !b.disabled).map(b => b.id)"
+    for more in tasks:
+        page.value(f"accdecPage.state.replace({json.dumps({**first, **more})})")
+        page.settle()
+        time.sleep(1.5)  # the page asks half a second after a change
+        shown = page.value(drops)
+        dead = {"corner-0-angle_deg-drop", "baseline-lengths-0-drop", "design-family-drop", "mode-0-residual_max-drop"}
+        check(shown and not dead & set(shown), f"{len(shown)} keys can be removed, none of {sorted(dead)}")
+        for drop in shown:
+            page.value(f"document.querySelector('#{drop}').click()")
+            task = json.loads(page.value("document.body.dataset.task"))
+            refused = json.loads(page.program.post("check", [task])[1])[0]
+            check(refused is None, f"{drop}: {refused or 'can be removed'}")
+            page.value("document.querySelector('#undo').click()")
+    page.value("document.querySelector('#reset').click()")
+    page.settle()
+
+
 def no_list(page):
     """A list without its bracket greys the answer and is not saved; a whole one is taken at once."""
     task = {**json.loads(page.value("document.body.dataset.task")), "controller": {"prefilter_taps": [0.1] * 10}}

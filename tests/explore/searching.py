@@ -46,6 +46,21 @@ def undone_soon(page):
     again(page)
 
 
+def first_design(page):
+    """While the first design is searched for, the page says so."""
+    page.browser.open("about:blank")
+    script = page.browser.page("Page.addScriptToEvaluateOnNewDocument", source="""const real = fetch;
+        globalThis.fetch = (at, how) =>
+            String(at).startsWith("design") ? new Promise(() => {}) : real(at, how);""")["identifier"]
+    page.browser.open(page.program.address)
+    page.wait("document.querySelectorAll('#families tbody tr').length > 3", "families before the first design")
+    said = page.value("['#badge', '#sentence'].map((s) => document.querySelector(s).textContent)")
+    check(said == ["searching", "No filter found so far: the search goes on."], f"before the first design: {said}")
+    page.browser.page("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
+    page.open(page.program.address)
+    page.settle()
+
+
 def nothing_so_far(page):
     """A search without a filter so far has not failed: it goes on."""
     answers(page, "null", NONE)

@@ -1,5 +1,6 @@
 """A program on a machine with a servo, dry friction or a supply is planned with one filter, and its loads are drawn."""
 import json
+import re
 import subprocess
 
 from looking import check, wait
@@ -82,7 +83,8 @@ def with_loads(accdec, home, task):
         took = result["cycle_time_s"]
         check([p["cycle_time_s"] for p in fixed] == [took], f"{name}: the page has that plan, {took} s")
         loads_of_motion(name, fixed[0], result, 1e-3)
-        why = refusal.removeprefix("accdec: ").removeprefix("error: ").split(";")[0]
+        # The command line names the line of the task, too.
+        why = re.sub(r"^\S+:\d+:\d+: ", "", refusal.removeprefix("accdec: ").removeprefix("error: ")).split(";")[0]
         check(why and start["others"] == [f"Plan profiles is not available for this task: {why}."],
               f"{name}: {start['others']}")
 

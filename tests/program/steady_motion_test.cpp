@@ -136,6 +136,21 @@ TEST(SteadyMotion, PicturesKeepTheEndsOfWhatIsPassedOver) {
   }
 }
 
+// Pictures of two plans have points at the same times, wherever both motions are not steady.
+TEST(SteadyMotion, PicturesOfSeveralPlansHavePointsAtTheSameTimes) {
+  const std::int64_t step = 7;
+  for (const ProgramResult& result : plans_of(moves)) {
+    const std::vector<std::int64_t> drawn = drawn_samples(motion_of(result), 2000, step);
+    for (const Seen& seen : samples_of(result, Steady::passed)) {
+      if (seen.number % step == 0) {
+        EXPECT_TRUE(std::binary_search(drawn.begin(), drawn.end(), seen.number)) << seen.number;
+      }
+    }
+    EXPECT_TRUE(std::is_sorted(drawn.begin(), drawn.end()));
+    EXPECT_EQ(std::adjacent_find(drawn.begin(), drawn.end()), drawn.end());
+  }
+}
+
 // 6.6 10^8 samples: made one by one, each picture took a minute.
 TEST_F(ProgramCommand, SlowMovesOfAWeekAreDrawn) {
   write("part.ngc", "G21 G90 F0.00175\nG1 X10\nG1 X10 Y9\nM2\n");

@@ -36,6 +36,20 @@ def test_every_limit_has_one():
         assert key in words, words
 
 
+def test_the_ends_of_sliders():
+    pytest.importorskip("ipywidgets")
+    box = accdec.sliders({"sample_period_ms": 1, "axis": [{"acceleration_max_mm_s2": 6000}],
+                          "corner": [{"name": "A", "angle_deg": 95, "heading_deg": 0, "feed_in_mm_min": 6000,
+                                      "error_max_um": 0}]})
+    angle, heading, error = (named(box, f"corner A {key}") for key in ("angle_deg", "heading_deg", "error_max_um"))
+    assert angle.max == 180.0 and angle.value == 95.0
+    assert heading.value == 0.0 and heading.min == -180.0 and heading.max == 180.0
+    assert error.value == 0.0 and error.max > 0.0
+    heading.value = -30.0
+    # cos(-30), sin(-30) in degrees
+    assert list(box.task.corners[0]["direction_in"]) == pytest.approx([0.75 ** 0.5, -0.5]) and box.result is not None
+
+
 def test_without_ipywidgets_it_says_so():
     script = ("import sys; sys.modules['ipywidgets'] = None; import accdec\n"
               "try: accdec.sliders({'sample_period': 1e-3, 'corners': {'angle_deg': 95, 'feed_in': 0.1}})\n"

@@ -43,8 +43,9 @@ std::optional<Refusal> Admission::refusal(const httplib::Request& request, int p
   if (origins > 1 || (origins == 1 && request.get_header_value("Origin") != "http://" + host))
     return Refusal{403, "another origin"};
   const std::string_view path = request.path;
-  if (path.size() < token_.size() + 2 || path[0] != '/' || path[token_.size() + 1] != '/' ||
-      !same(path.substr(1, token_.size()), token_))
+  const bool alone = path.size() == token_.size() + 1 && request.method == "GET";  // without its last slash
+  if (path.empty() || path[0] != '/' || !same(path.substr(1, token_.size()), token_) ||
+      (!alone && (path.size() < token_.size() + 2 || path[token_.size() + 1] != '/')))
     return Refusal{403, "the address lacks its token"};
   if (request.method == "GET") return {};
   if (request.method != "POST") return Refusal{405, "only GET and POST"};

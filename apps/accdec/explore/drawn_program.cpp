@@ -172,9 +172,16 @@ double rounded(double x) {
   return std::round(1e4 * x) / 1e4;
 }
 
-nlohmann::ordered_json motion_json(const Toolpath& programmed, const Machine& machine, const ProgramResult& result) {
+std::int64_t common_step(const std::vector<ProgramResult>& plans) {
+  std::int64_t most = 1;
+  for (const ProgramResult& plan : plans) most = std::max(most, samples_a_point(motion_of(plan), most_points));
+  return most;
+}
+
+nlohmann::ordered_json motion_json(const Toolpath& programmed, const Machine& machine, const ProgramResult& result,
+                                   std::int64_t step) {
   const ProgramMotion motion = motion_of(result);
-  const std::vector<std::int64_t> drawn = drawn_samples(motion, most_points);
+  const std::vector<std::int64_t> drawn = drawn_samples(motion, most_points, step);
   auto next = drawn.begin();
   std::vector<double> time, speed;
   std::vector<int> bound;

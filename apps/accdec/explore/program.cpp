@@ -249,7 +249,8 @@ std::string program_start_json(const std::string& name, const Task& task, double
   if (free_seconds > 0.0) planner.free(free_seconds);
   const auto [plans, others] = planner.plans();
   if (plans.empty()) throw std::runtime_error("no plan of this program holds all limits: accdec program says why");
-  for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan));
+  const std::int64_t step = common_step(plans);
+  for (const ProgramResult& plan : plans) program["plans"].push_back(motion_json(path, machine, plan, step));
   program["others"] = others;
   const auto fixed =
       std::find_if(plans.begin(), plans.end(), [](const auto& p) { return p.plan.command() != nullptr; });

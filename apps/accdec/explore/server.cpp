@@ -1,5 +1,7 @@
 #include "server.hpp"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -48,7 +50,7 @@ class PageServer : public httplib::Server {
       if (response.body.empty()) refuse(response, {response.status, words(response.status)});
     });
     set_pre_routing_handler([this](const auto& request, auto& response) { return admit(request, response); });
-    for (const char* const name : {"design", "view", "families", "explain", "check", "export", "file"}) {
+    for (const char* const name : questions) {
       Post("/" + admission_.token() + "/" + name,
            [this, name](const auto& request, auto& response) { compute(name, request, response); });
     }
@@ -82,9 +84,12 @@ class PageServer : public httplib::Server {
  private:
   using Taken = httplib::Server::HandlerResponse;
 
+  static constexpr std::array<const char*, 7> questions{"design", "view",   "families", "explain",
+                                                        "check",  "export", "file"};
+
   static const char* words(int status) {
     switch (status) {
-      case 400: return "not a request of HTTP";
+      case 400: return "not a request of HTTP, or a question without the length of its body";
       case 404: return "no such question";
       case 413: return "the body is longer than the explorer takes: at most 1 MB";
       case 414: return "the address is longer than the explorer takes";
@@ -104,6 +109,10 @@ class PageServer : public httplib::Server {
       const std::lock_guard lock(mutex_);
       last_sign_ = std::chrono::steady_clock::now();
     }
+    if (request.path.size() == admission_.token().size() + 1) {
+      response.set_redirect(request.path + "/");  // its last slash was left out
+      return Taken::Handled;
+    }
     return request.method == "GET"
                ? fetch(std::string_view(request.path).substr(admission_.token().size() + 2), response)
                : Taken::Unhandled;
@@ -120,6 +129,10 @@ class PageServer : public httplib::Server {
       if (file.name != name) continue;
       response.set_content(file.text.data(), file.text.size(), std::string(file.type));
       return Taken::Handled;
+    }
+    if (std::find(questions.begin(), questions.end(), name) != questions.end()) {
+      response.set_header("Allow", "POST");
+      return refuse(response, {405, "a question is asked by POST"});
     }
     return refuse(response, {404, "no such file"});
   }
@@ -239,6 +252,10 @@ extern "C" void accdec_explore_serve(const Served& served, const std::function<v
   }
   server.end();
   listener.join();
+}
+
+extern "C" const char* accdec_explore_http_version() {
+  return CPPHTTPLIB_VERSION;
 }
 
 }  // namespace accdec::explore

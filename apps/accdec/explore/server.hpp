@@ -30,4 +30,7 @@ struct Served {
 extern "C" void accdec_explore_serve(const Served& served, const std::function<void(const std::string& address)>& ready,
                                      const std::atomic<bool>& stop);
 
+/// The version of the HTTP library. It stands in the same module.
+extern "C" const char* accdec_explore_http_version();
+
 }  // namespace accdec::explore

@@ -11,7 +11,9 @@
 #include <fmt/format.h>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/signed_value.hpp>
+#include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/path_plane.hpp>
 #include <accdec/task/simulation.hpp>
 #include <accdec/task/verified_contour.hpp>
@@ -29,6 +31,13 @@ std::vector<double> rounded(std::vector<double> values) {
   const double scale = std::pow(10.0, std::clamp(7.0 - std::floor(std::log10(peak)), 0.0, 22.0));
   for (double& v : values) v = std::round(v * scale) / scale;
   return values;
+}
+
+/// Dashes of the n-th moving axis, px on and off, as figures draw it.
+Json dashes_of(int n) {
+  const std::string_view gnuplot = figure_style::dashes[static_cast<std::size_t>(n) % figure_style::dashes.size()];
+  if (gnuplot.front() != '(') return Json::array();  // solid
+  return Json::parse(fmt::format("[{}]", gnuplot.substr(1, gnuplot.size() - 2)));
 }
 
 /// The points of a picture: every sample, or of a long motion two for each of many groups of samples. A group is
@@ -113,34 +122,47 @@ class View {
     for (const AxisState& state :
          axis_states(sampled_, task_.machine.axes[axis], static_cast<Eigen::Index>(axis), task_.sample_period,
                      still_part * std::max(legs_.feed_in, legs_.feed_out)))
-      values.push_back(signed_value(state, kind) * limit_name(kind).per_si);
+      values.push_back(signed_value(state, kind) * limit_unit(kind, task_.machine.axes[axis].name).per_si);
     return values;
   }
 
-  /// @param high, low  bounds of magnitudes above and below zero, SI
-  Json curve_json(const std::string& name, const std::vector<double>& values, double high, double low,
-                  LimitKind kind) const {
-    const auto bound = [&](double signed_bound) {
-      return std::abs(signed_bound) < unlimited ? Json(signed_bound * limit_name(kind).per_si) : Json(nullptr);
-    };
-    return {{"name", name}, {"bounds", {bound(high), bound(-low)}}, {"values", points_.curve(values)}};
+  /// An axis has its dashes in every chart.
+  int line_of(std::size_t axis) const {
+    int line = 0;
+    for (std::size_t a = 0; a < axis; ++a) line += moves(a) ? 1 : 0;
+    return line;
   }
-  static void add_quantity(LimitKind kind, Json axes, Json& quantities) {
-    const LimitName& name = limit_name(kind);
-    const std::string_view unit = kind == LimitKind::force_speed ? "%" : name.unit;
-    if (!axes.empty()) quantities.push_back({{"kind", name.name}, {"unit", unit}, {"axes", std::move(axes)}});
+  /// @param high, low  bounds of magnitudes above and below zero, SI
+  /// @param line  which one of the dashes
+  Json curve_json(const std::string& name, const std::vector<double>& values, double high, double low, LimitKind kind,
+                  int line) const {
+    const auto bound = [&](double signed_bound) {
+      return std::abs(signed_bound) < unlimited ? Json(signed_bound * limit_unit(kind, name).per_si) : Json(nullptr);
+    };
+    return {{"name", name},
+            {"dash", dashes_of(line)},
+            {"bounds", {bound(high), bound(-low)}},
+            {"values", points_.curve(values)}};
+  }
+  /// @param like  the name of an axis: those that turn have units of their own
+  static void add_quantity(LimitKind kind, Json axes, Json& quantities, std::string_view like = "") {
+    const std::string_view unit = kind == LimitKind::force_speed ? "%" : limit_unit(kind, like).name;
+    if (!axes.empty())
+      quantities.push_back({{"kind", limit_word(kind, like)}, {"unit", unit}, {"axes", std::move(axes)}});
   }
 
   /// Every axis that moves; a load only of those where it is limited.
   void add_axes(const AxisLimit& limit, Json& quantities) const {
-    Json axes = Json::array();
-    for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
-      const Axis& axis = task_.machine.axes[a];
-      const double bound = axis.*limit.bound;
-      if (moves(a) && (!limit.load || bound < unlimited))
-        axes.push_back(curve_json(axis.name, values(a, limit.kind), bound, bound, limit.kind));
+    for (const std::string_view like : {"x", "a"}) {
+      Json axes = Json::array();
+      for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
+        const Axis& axis = task_.machine.axes[a];
+        const double bound = axis.*limit.bound;
+        if (is_rotary(axis.name) == is_rotary(like) && moves(a) && (!limit.load || bound < unlimited))
+          axes.push_back(curve_json(axis.name, values(a, limit.kind), bound, bound, limit.kind, line_of(a)));
+      }
+      add_quantity(limit.kind, std::move(axes), quantities, like);
     }
-    add_quantity(limit.kind, std::move(axes), quantities);
   }
 
   /// A limit that is a curve of force by speed: in percent of that.
@@ -151,7 +173,7 @@ class View {
       if (!moves(a) || !(axis.force_speed_max < unlimited)) continue;
       std::vector<double> used = values(a, LimitKind::force_speed);
       for (double& force : used) force *= 100.0 / axis.force_speed_max;
-      axes.push_back(curve_json(axis.name, used, 100.0, unlimited, LimitKind::force_speed));
+      axes.push_back(curve_json(axis.name, used, 100.0, unlimited, LimitKind::force_speed, line_of(a)));
     }
     add_quantity(LimitKind::force_speed, std::move(axes), quantities);
   }
@@ -174,7 +196,8 @@ class View {
       const double low =
           alone ? std::min(axis->regeneration_max, machine.regeneration_total_max) : axis->regeneration_max;
       if (high < unlimited || low < unlimited)
-        axes.push_back(curve_json(axis->name, power, high, low, LimitKind::power));
+        axes.push_back(curve_json(axis->name, power, high, low, LimitKind::power,
+                                  line_of(static_cast<std::size_t>(axis - machine.axes.data()))));
       sum.resize(power.size(), 0.0);
       for (std::size_t n = 0; n < power.size(); ++n) sum[n] += power[n];
     }
@@ -182,7 +205,7 @@ class View {
     if (working.size() < 2 || !limits_supply(machine)) return;
     add_quantity(LimitKind::power_total,
                  Json::array({curve_json("sum", sum, machine.power_total_max, machine.regeneration_total_max,
-                                         LimitKind::power_total)}),
+                                         LimitKind::power_total, 0)}),
                  quantities);
   }
 
@@ -225,8 +248,16 @@ class View {
     const auto flat = [&, &across = across, &up = up](const Eigen::VectorXd& u) {
       return Json{u.dot(across), u.dot(up)};
     };
-    return {{"names", {along, inwards}},      {"x_um", rounded(std::move(x))},    {"y_um", rounded(std::move(y))},
-            {"in", flat(legs_.direction_in)}, {"out", flat(legs_.direction_out)}, {"off_um", points_.curve(off)},
+    const auto units = [&](const Eigen::VectorXd& u) {
+      return Json::array({plane_unit(u, task_.machine, false), plane_unit(u, task_.machine, true)});
+    };
+    return {{"names", {along, inwards}},
+            {"units", Json::array({units(across), units(up)})},
+            {"x_um", rounded(std::move(x))},
+            {"y_um", rounded(std::move(y))},
+            {"in", flat(legs_.direction_in)},
+            {"out", flat(legs_.direction_out)},
+            {"off_um", points_.curve(off)},
             {"between", std::move(between)}};  // ms, um: where the path is farther off than at both samples
   }
 

@@ -15,9 +15,11 @@ _NO_SLIDER = ("weight", "delay_samples")
 
 
 def _range(key: str, value: float) -> dict[str, float]:
-    """From a tenth to the threefold; angles are less than 180 degrees."""
-    high = 179.0 if key == "angle_deg" else 3.0 * value
-    return {"min": 0.1 * value, "max": high, "step": 0.01 * value}
+    """From a tenth to the threefold, or to one where it is zero; angles up to 180 degrees, headings all around."""
+    if key == "heading_deg":
+        return {"min": min(-180.0, value), "max": max(180.0, value), "step": 1.0}
+    high = 180.0 if key == "angle_deg" else 3.0 * value or 1.0
+    return {"min": 0.1 * value, "max": high, "step": 0.01 * value or 0.01}
 
 
 def sliders(task: Any, *, time_limit: float = 2.0) -> Any:
@@ -77,7 +79,9 @@ def sliders(task: Any, *, time_limit: float = 2.0) -> Any:
     for kind in ("axis", "corner", "mode"):
         for i, table in enumerate(tables.get(kind, [])):
             for key, value in table.items():
-                if isinstance(value, (str, bool, list, dict)) or key in _NO_SLIDER or not value > 0:
+                if isinstance(value, (str, bool, list, dict)) or key in _NO_SLIDER:
+                    continue
+                if not value >= 0 and key != "heading_deg":
                     continue
                 slider = ipywidgets.FloatSlider(value=value, continuous_update=False, **_range(key, value))
                 slider.observe(follows(table, key), names="value")

@@ -125,8 +125,11 @@ struct Length {
   double scale;
   const char* unit;
 };
+bool is_large(double largest) {
+  return largest >= 4e-3;
+}
 Length length_unit(double largest) {
-  return largest < 4e-3 ? Length{1e6, "µm"} : Length{1e3, "mm"};
+  return is_large(largest) ? Length{1e3, "mm"} : Length{1e6, "µm"};
 }
 
 }  // namespace
@@ -153,8 +156,11 @@ Panel path_panel(const CornerMotion& now, const CornerMotion* before) {
   panel.title = fmt::format("path around corner {}", now.task.name);
   const LimitUse* use = use_of(now.result, LimitKind::corner_error, now.task.name);
   if (use && use->bound > 0.0) panel.title += ": tolerance" + use_in_title(*use);
-  panel.x.label = fmt::format("{} / {}", plane.across_name, unit);
-  panel.y.label = fmt::format("{} / {}", plane.up_name, unit);
+  const auto label = [&](const std::string& name, const Eigen::VectorXd& direction) {
+    return fmt::format("{} / {}", name, plane_unit(direction, now.result.task.machine, is_large(window.size())));
+  };
+  panel.x.label = label(plane.across_name, plane.across);
+  panel.y.label = label(plane.up_name, plane.up);
   panel.equal_aspect = true;
   const double wide = std::max(window.right - window.left, no_extent * window.size()),
                high = std::max(window.high - window.low, no_extent * window.size());

@@ -1,3 +1,6 @@
+#include <cmath>
+
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/plot/path_plane.hpp>
 
 namespace accdec {
@@ -15,6 +18,16 @@ PathPlane plane_of(const Corner& corner, const Machine& machine) {
   // A motion that turns back has no inside.
   if (plane.across.isZero()) plane.across = corner.direction_in, plane.up.setZero();
   return plane;
+}
+
+std::string plane_unit(const Eigen::VectorXd& direction, const Machine& machine, bool large) {
+  bool moves = false, turns = false;
+  for (Eigen::Index a = 0; a < direction.size(); ++a) {
+    if (std::abs(direction[a]) > 1e-12)
+      (is_rotary(machine.axes[static_cast<std::size_t>(a)].name) ? turns : moves) = true;
+  }
+  const std::string length = large ? "mm" : "µm", angle = large ? "deg" : "mdeg";
+  return !turns ? length : !moves ? angle : length + ", " + angle;
 }
 
 }  // namespace accdec

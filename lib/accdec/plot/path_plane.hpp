@@ -19,4 +19,8 @@ struct PathPlane {
 };
 PathPlane plane_of(const Corner& corner, const Machine& machine);
 
+/// The unit of a direction of the drawing, whose axes move or turn: "µm" or "mdeg", or both.
+/// @param large  "mm" or "deg"
+std::string plane_unit(const Eigen::VectorXd& direction, const Machine& machine, bool large);
+
 }  // namespace accdec

@@ -101,25 +101,25 @@ std::optional<Panel> motion_panel(LimitKind kind, std::string_view like, const C
   QuantityPanel panel(unit, kind == LimitKind::force_speed ? "use of the force-speed curve" : limit_word(kind, like),
                       time_panel(now, before));
   std::vector<Series> moved;
-  int drawn = 0;
+  int moving = -1;  // an axis has its dashes in every panel
+  bool drawn = false;
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
     const Corner& legs = now.task.geometry();
     const Bounds bounds = bounds_of(axes[axis], kind);
-    if (is_rotary(axes[axis].name) != is_rotary(like)) continue;
+    if (std::abs(legs.direction_in[a]) <= 1e-12 && std::abs(legs.direction_out[a]) <= 1e-12) continue;
+    ++moving;
     const bool always = kind == LimitKind::velocity || kind == LimitKind::acceleration;
-    if ((std::abs(legs.direction_in[a]) <= 1e-12 && std::abs(legs.direction_out[a]) <= 1e-12) ||
-        (!always && !bounds.any()))
-      continue;
+    if (is_rotary(axes[axis].name) != is_rotary(like) || (!always && !bounds.any())) continue;
+    drawn = true;
     const std::optional<Series> old = before ? std::optional(curve_of(kind, *before, axis)) : std::nullopt;
-    panel.add(axes[axis].name, drawn, curve_of(kind, now, axis), old ? &*old : nullptr, bounds);
+    panel.add(axes[axis].name, moving, curve_of(kind, now, axis), old ? &*old : nullptr, bounds);
     if (now.sampled.moved && kind == LimitKind::velocity) {
-      moved.push_back({axes[axis].name + " motion", now.time, {}, Mark::line, thin_style, true, drawn});
+      moved.push_back({axes[axis].name + " motion", now.time, {}, Mark::line, thin_style, true, moving});
       for (const double v : now.motion.velocity.col(a)) moved.back().y.push_back(v * unit.per_si);
     }
-    ++drawn;
   }
-  if (drawn == 0) return {};
+  if (!drawn) return {};
   Panel made = panel.finished();
   std::move(moved.begin(), moved.end(), std::back_inserter(made.series));
   return made;

@@ -167,18 +167,24 @@ ProgramMotion motion_of(const ProgramResult& result) {
           &result.plan};
 }
 
-std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most) {
-  std::int64_t count = 0, seen = 0, before = -1;
+std::int64_t samples_a_point(const ProgramMotion& motion, std::int64_t most) {
+  std::int64_t count = 0;
   motion.samples([&](std::int64_t, const double*, const double*) { ++count; });
-  const std::int64_t every = std::max<std::int64_t>(1, (count + most - 1) / most);
+  return std::max<std::int64_t>(1, (count + most - 1) / most);
+}
+
+std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most, std::int64_t n) {
+  if (n == 0) n = samples_a_point(motion, most);
   const double longest = std::max(1.0, motion.cycle_time / motion.sample_period / static_cast<double>(most));
   std::vector<std::int64_t> drawn;
+  std::int64_t before = -1;
   motion.samples([&](std::int64_t k, const double*, const double*) {
     const bool far = static_cast<double>(k - before) > longest;
     if (far && drawn.back() != before) drawn.push_back(before);
-    if (far || seen % every == 0 || seen + 1 == count) drawn.push_back(k);
-    ++seen, before = k;
+    if (far || k % n == 0) drawn.push_back(k);
+    before = k;
   });
+  if (!drawn.empty() && drawn.back() != before) drawn.push_back(before);
   return drawn;
 }
 

@@ -40,9 +40,12 @@ using VelocityVisitor =
     std::function<void(std::int64_t k, const double* position, const double* velocity, int binding)>;
 /// Every sample of a motion. @param machine  as many axes as the path, or none
 void visit_velocities(const Machine& machine, const ProgramMotion& motion, const VelocityVisitor& visit);
-/// Numbers of the samples that a picture of about `most` points needs: every n-th, and the ends of long stretches that
-/// are not visited.
-std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most);
+/// Numbers of the samples that a picture of about `most` points needs: multiples of n, and the ends of long stretches
+/// that are not visited.
+/// @param n  0: as `samples_a_point` has it; one for several motions gives them points at the same times
+std::vector<std::int64_t> drawn_samples(const ProgramMotion& motion, std::int64_t most, std::int64_t n = 0);
+/// How many visited samples a point of such a picture stands for.
+std::int64_t samples_a_point(const ProgramMotion& motion, std::int64_t most);
 /// The name of the binding limit, with an index as in `VelocityVisitor`. If none binds, the tolerance of a corner or
 /// the programmed feed limits the motion.
 std::string binding_name(int binding);

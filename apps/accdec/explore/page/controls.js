@@ -2,7 +2,7 @@
 import { make, unit } from "./format.js";
 import { field } from "./fields.js";
 import { markUnread } from "./slider.js";
-import { alongWith, barredBy, firstTable, firstValue, neededBy, otherWay, shares, shortName } from "./keys.js";
+import { alongWith, barredBy, firstTable, firstValue, isBand, isNeeded, otherWay, shares, shortName } from "./keys.js";
 
 // In a narrow window all groups are folded at first, as the answer stands below them.
 const narrow = globalThis.matchMedia?.("(max-width: 1000px)").matches ?? false;
@@ -50,15 +50,19 @@ export class Controls {
     clearTimeout(this.checking);
     this.checking = setTimeout(() => this.check(), 500);
   }
-  /** Keys that the task cannot have as it is are offered in grey, with the reason. */
+  /**
+   * Keys that the task cannot have as it is, or cannot be without, are offered in grey, with the reason. Of a task that
+   * is refused already all can be removed.
+   */
   async check() {
     const { offers } = this;
-    const tasks = offers.map(({ changes }) => this.state.with(changes));
-    if (!tasks.length || JSON.stringify(tasks).length > 5e5) return;
-    const reasons = await this.refusals(tasks);
-    offers.forEach(({ option, meaning }, i) => {
-      option.disabled = Boolean(reasons?.[i]);
-      option.title = reasons?.[i]?.replaceAll("task: ", "") ?? meaning;
+    const tasks = [[], ...offers.map(({ changes }) => changes)].map((changes) => this.state.with(changes));
+    if (!offers.length || JSON.stringify(tasks).length > 5e5) return;
+    const [now, ...reasons] = (await this.refusals(tasks)) ?? [];
+    offers.forEach(({ option, meaning, removes }, i) => {
+      const reason = removes && now ? null : reasons[i];
+      option.disabled = Boolean(reason);
+      option.title = reason?.replaceAll("task: ", "") ?? meaning;
     });
   }
 
@@ -223,32 +227,12 @@ export class Controls {
     const label = `${shortName(key)}${index === undefined ? "" : ` ${index + 1}`}`;
     const { state, updates } = this;
     const grain = key.of_period && (() => state.get(["sample_period_ms"]));
-    const entry = field({ ...key, grain }, paths[0], { id, state, put, table, updates });
-    const needed =
-      key.required || (table && neededBy(table, this.state.get(paths[0].slice(0, -1)) ?? {}).includes(key.name));
-    const drop =
-      needed || index > 0 || !table
-        ? null
-        : make(
-            "button",
-            {
-              type: "button",
-              class: "drop",
-              id: `${id}-drop`,
-              title: `without ${key.name}: ${key.fallback ?? "none"}`,
-              "aria-label": `remove ${label}`,
-              onclick: () =>
-                this.state.set(
-                  paths.flatMap((path) => {
-                    const place = path.slice(0, index === undefined ? -1 : -2);
-                    return alongWith(table, key).map((name) => [[...place, name], undefined]);
-                  }),
-                  null,
-                  true,
-                ),
-            },
-            "\u00d7",
-          );
+    const list = index === undefined ? null : paths[0].slice(0, -1);
+    // The ends of a band stay in their order.
+    const others = () => (isBand(key, state.get(list)) ? [state.get([...list, 1 - index])] : []);
+    const between = list && (() => (index ? { from: others()[0] } : { to: others()[0] }));
+    const entry = field({ ...key, grain, between }, paths[0], { id, state, put, table, updates });
+    const drop = index > 0 || !table ? null : this.drop(key, paths, table, { id, label, inList: Boolean(list) });
     return make(
       "div",
       {
@@ -260,5 +244,18 @@ export class Controls {
       entry,
       drop,
     );
+  }
+
+  /** A button that removes a key, with those that it needs beside it; null where the table must have it. */
+  drop(key, paths, table, { id, label, inList }) {
+    const places = paths.map((path) => path.slice(0, inList ? -2 : -1));
+    if (isNeeded(table, key, this.state.get(places[0]) ?? {})) return null;
+    const changes = places.flatMap((place) => alongWith(table, key).map((name) => [[...place, name], undefined]));
+    const meaning = `without ${key.name}: ${key.fallback ?? "none"}`;
+    const onclick = () => this.state.set(changes, null, true);
+    const names = { class: "drop", id: `${id}-drop`, title: meaning, "aria-label": `remove ${label}` };
+    const option = make("button", { type: "button", ...names, onclick }, "\u00d7");
+    this.offers.push({ option, changes, meaning, removes: true });
+    return option;
   }
 }

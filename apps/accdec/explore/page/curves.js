@@ -2,7 +2,6 @@
 import { four, make } from "./format.js";
 import { colour, marks } from "./marks.js";
 
-const dashes = [[], [7, 4], [2, 3], [10, 3, 2, 3]];
 const sync = "time";
 
 /** Values of several curves on one time axis; null where a curve has no point. @param period  of samples, or null */
@@ -87,11 +86,11 @@ export class Chart {
   }
 
   /**
-   * specs: {label, values, time, axis, before, bound, steps, word, bars}; limits: {value, name}; x: range or null;
+   * specs: {label, values, time, dash, before, bound, steps, word, bars}; limits: {value, name}; x: range or null;
    * title: another one than before, to which limits are added that are not in the picture.
    */
   show(specs, limits, { period, x, y, extra, title }) {
-    const signature = JSON.stringify(specs.map((s) => [s.label, s.axis, s.before, s.steps, s.bars]));
+    const signature = JSON.stringify(specs.map((s) => [s.label, s.dash, s.before, s.steps, s.bars]));
     const data = aligned(specs, this.between ? null : period);
     this.now = { specs, limits, x, y, extra };
     if (this.plot && signature === this.signature) {
@@ -160,7 +159,7 @@ export class Chart {
           points: { show: false },
           stroke: colour(spec.before ? "before" : "design"),
           width: spec.before ? 1.5 : (spec.thick ?? 2),
-          dash: dashes[spec.axis % dashes.length],
+          dash: spec.dash ?? [],
           fill: spec.bars && !spec.before ? `${colour("design")}55` : undefined,
           paths: spec.steps
             ? uPlot.paths.stepped({ align: -1 })

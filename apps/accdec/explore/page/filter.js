@@ -48,7 +48,7 @@ export class FilterCharts {
     const { filter: now, sample_period_s: period } = result,
       modes = result.task.mode ?? [];
     const ms = 1e3 * period;
-    const tap = (filter, rest) => ({ ...shownTaps(filter.taps, ms), axis: 0, ...rest });
+    const tap = (filter, rest) => ({ ...shownTaps(filter.taps, ms), ...rest });
     const specs = [tap(now, { label: "design", bars: true })];
     if (before) specs.push(tap(before, { label: "before", before: true, steps: true }));
     const last = Math.max(now.taps.length, before?.taps.length ?? 0);
@@ -61,7 +61,6 @@ export class FilterCharts {
     const curve = (filter, rest) => ({
       time: grid,
       values: grid.map((f) => Math.max(1e-6, left(filter.taps, f, period, damping))),
-      axis: 0,
       ...rest,
     });
     const lines = before ? [curve(before, { label: "before", before: true })] : [];

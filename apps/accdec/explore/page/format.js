@@ -19,6 +19,9 @@ export const instant = (seconds) => String(Number(seconds.toFixed(5)));
 /** s as ms, to the microsecond. */
 export const ms = (seconds) => String(Number((1e3 * seconds).toFixed(6))).replace("-", "\u2212");
 
+/** Axes of these names turn: they are in degrees where others are in mm. */
+export const lengthUnit = (axis) => (/^[abc]$/i.test(axis) ? "deg" : "mm");
+
 /** "mm/s^2" as it is printed. */
 export const unit = (text) =>
   text.replaceAll("^2", "\u00b2").replaceAll("^3", "\u00b3").replace(/\bum\b/g, "\u00b5m");

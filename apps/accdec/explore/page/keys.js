@@ -55,6 +55,13 @@ export const alongWith = (key, inner) => [inner.name, ...(key.conditions?.depend
 /** The alternative of a table that a key belongs to. */
 export const otherWay = (key, inner) => key.conditions?.oneOf?.find((way) => way.required?.includes(inner.name));
 
+/** Whether a table of this value must have the key: without it there is no task. */
+export const isNeeded = (key, inner, value) =>
+  Boolean(inner.required || neededBy(key, value).includes(inner.name) || otherWay(key, inner));
+
+/** Whether a list is the two ends of a band. */
+export const isBand = (key, list) => key.lone && key.most === 2 && Array.isArray(list) && list.length === 2;
+
 /** Taps with the sum 1, one of them new: the others share what is left as they did before. */
 export function shares(taps, index, value) {
   const rest = taps.reduce((sum, tap, i) => (i === index ? sum : sum + tap), 0);

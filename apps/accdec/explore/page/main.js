@@ -193,6 +193,7 @@ function drawNow() {
   const answer = found(page.design);
   page.searching = designs.searching || (designs.finding && settled());
   page.seeking = Boolean(page.searching && page.design && !answer && unfinished(page.design));
+  page.beginning = !page.design && Boolean(designs.finding || families.busy || families.next);
   page.cut = designs.cut && settled() && !page.searching ? longestSearch : 0;
   if (page.design) document.body.classList.toggle("failed", !answer && !page.seeking);
   if (page.design) document.body.classList.add("ready");
@@ -232,7 +233,6 @@ function drawNow() {
   const distance = (v, before) => ({
     label: before ? "before" : "design",
     ...distances(v, period),
-    axis: 0,
     before,
   });
   const most = result.task.corner[i].contour_max_um;

@@ -34,6 +34,9 @@ export function titleOf({ kind, unit: of, axis }) {
   return `${words.replaceAll("_", " ")}${axis ? ` of ${axis}` : ""} / ${unit(of)}`;
 }
 
+/** Axes that turn have charts of their own, in their units. */
+const nameOf = ({ kind, unit: of }) => `${kind} ${of}`;
+
 /** Limits with the names of their axes, if they differ. Where both signs have one, that above zero is named. */
 const named = (limits, axes) =>
   [...limits].map(([value, names]) => ({
@@ -50,53 +53,56 @@ export class Motion {
 
   /** @param least  the smallest speed along the path that is allowed, or null */
   show(now, before, period, x, least) {
-    const kinds = now.quantities.map((q) => q.kind);
-    for (const [kind, chart] of this.charts) {
-      if (!kinds.includes(kind)) chart.place.remove(), this.charts.delete(kind);
+    const names = now.quantities.map(nameOf);
+    for (const [name, chart] of this.charts) {
+      if (!names.includes(name)) chart.place.remove(), this.charts.delete(name);
     }
+    const ordered = names.every((name) => this.charts.has(name));
+    const [first] = now.quantities.filter((q) => q.kind === "velocity");
     for (const quantity of now.quantities) {
-      if (!this.charts.has(quantity.kind)) {
+      const name = nameOf(quantity);
+      if (!this.charts.has(name)) {
         const section = make("section", { "data-kind": quantity.kind });
-        this.place.append(section);
-        this.charts.set(quantity.kind, new Chart(section, { title: titleOf(quantity) }));
+        this.charts.set(name, new Chart(section, { title: titleOf(quantity) }));
       }
       const specs = [],
         limits = new Map(); // names of axes, by value
-      const old = before?.quantities.find((q) => q.kind === quantity.kind);
-      old?.axes.forEach((axis, i) =>
+      const old = before?.quantities.find((q) => nameOf(q) === name);
+      old?.axes.forEach((axis) =>
         specs.push({
           label: `${axis.name} before`,
           time: before.time_ms,
           values: axis.values,
-          axis: i,
+          dash: axis.dash,
           before: true,
           steps: quantity.kind !== "velocity",
         }),
       );
-      quantity.axes.forEach((axis, i) => {
+      quantity.axes.forEach((axis) => {
         specs.push({
           label: axis.name,
           word: axis.name,
           time: now.time_ms,
           values: axis.values,
-          axis: i,
+          dash: axis.dash,
           bounds: axis.bounds,
           steps: quantity.kind !== "velocity",
         });
         for (const bound of axis.bounds)
           if (bound !== null) limits.set(bound, [...(limits.get(bound) ?? []), axis.name]);
       });
-      if (quantity.kind === "velocity") {
+      if (quantity === first) {
         // The smallest speed is asked for between the legs: not at the start, nor at the stop.
-        const path = { label: "path", time: now.time_ms, values: now.speed_mm_s, axis: 0, thick: 1 };
+        const path = { label: "path", time: now.time_ms, values: now.speed_mm_s, thick: 1 };
         specs.push({ ...path, bounds: [least], least: true });
         if (least) limits.set(least, ["smallest allowed"]);
       }
-      const chart = this.charts.get(quantity.kind);
+      const chart = this.charts.get(name);
+      if (!ordered) this.place.append(chart.place);
       const uses = (axis) => axis.values.some((v) => boundAt(v, axis) !== undefined);
       const bind = quantity.axes.filter(uses).map((axis) => axis.name);
-      const names = bind.length ? `: ${bind.join(", ")} ${bind.length > 1 ? "bind" : "binds"}` : "";
-      chart.show(specs, named(limits, quantity.axes.length), { period, x, title: titleOf(quantity) + names });
+      const binds = bind.length ? `: ${bind.join(", ")} ${bind.length > 1 ? "bind" : "binds"}` : "";
+      chart.show(specs, named(limits, quantity.axes.length), { period, x, title: titleOf(quantity) + binds });
     }
   }
 }

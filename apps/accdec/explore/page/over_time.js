@@ -1,6 +1,6 @@
 // Charts over time of a program: speed, then velocity, acceleration and jerk of every axis beside each other, places.
 import { axisLook, offScale, padding, rangeWith, shownValue, tickWidth, ticks } from "./curves.js";
-import { four, instant, make } from "./format.js";
+import { four, instant, lengthUnit, make } from "./format.js";
 import { colour, marks } from "./marks.js";
 import { titleOf } from "./motion.js";
 
@@ -16,7 +16,7 @@ export function nearestTo(times, t) {
   return t - times[low] < times[high] - t ? low : high;
 }
 
-/** The sample that the legend of a series shows: two plans have other times, and each shows one that it has. */
+/** The sample that the legend of a series shows: where plans have points at other times, each shows one that it has. */
 function lookAt(plan, before, sample) {
   return (chart, series, nearest, t) => {
     const i = sample(t);
@@ -24,6 +24,13 @@ function lookAt(plan, before, sample) {
     const time = times === plan.t_s ? times[i] : times[nearestTo(times, plan.t_s[i])];
     return nearestTo(chart.data[0], time);
   };
+}
+
+/** A number of the plan in grey. Where that has no point at the time of the cursor, its own time stands beside it. */
+export function valueBeside(chart, v, _, i) {
+  if (v === null || v === undefined || i === null) return shownValue(chart, v);
+  const [t, at] = [chart.data[0][i], chart.data[0][chart.cursor.idxs[0]]];
+  return Math.abs(t - at) < 1e-9 ? shownValue(chart, v) : `${shownValue(chart, v)} at ${instant(t)} s`;
 }
 
 /** Shows more or less of the time, around the cursor or the middle. */
@@ -93,18 +100,18 @@ function loadRows({ loads }) {
 
 /** @returns [title, values of a plan, bounds above and below zero, or null][]: a row of charts */
 function rowsOf(program, loads, speeds) {
-  const name = (i) => program.axes[i];
+  const of = (i) => `of ${program.axes[i]} / ${lengthUnit(program.axes[i])}`;
   const both = (bound) => [bound, bound === null ? null : -bound];
   const beyond = speeds.most ? `, rapid moves up to ${four(speeds.most)} beyond the picture` : "";
   return [
     [[`speed / mm/s${beyond}`, (p) => p.speed_mm_s, null]],
     ...program.axes.map((_, a) => [
-      [`velocity of ${name(a)} / mm/s`, (p) => p.velocities_mm_s[a], both(program.velocity_max[a])],
-      [`acceleration of ${name(a)} / mm/s\u00b2`, (p) => p.accelerations_mm_s2[a], both(program.acceleration_max[a])],
-      [`jerk of ${name(a)} / mm/s\u00b3`, (p) => p.jerks_mm_s3[a], both(program.jerk_max[a])],
+      [`velocity ${of(a)}/s`, (p) => p.velocities_mm_s[a], both(program.velocity_max[a])],
+      [`acceleration ${of(a)}/s\u00b2`, (p) => p.accelerations_mm_s2[a], both(program.acceleration_max[a])],
+      [`jerk ${of(a)}/s\u00b3`, (p) => p.jerks_mm_s3[a], both(program.jerk_max[a])],
     ]),
     ...loads,
-    program.axes.map((axis, a) => [`${axis} / mm`, (p) => p.places_mm[a], null]),
+    program.axes.map((axis, a) => [`${axis} / ${lengthUnit(axis)}`, (p) => p.places_mm[a], null]),
   ];
 }
 
@@ -162,7 +169,7 @@ export function timeCharts(place, program, { plan, before, follow, sample, step,
           [before.t_s, values(before)],
           [plan.t_s, values(plan)],
         ]);
-        series.splice(1, 0, { ...line, label: before.plan, stroke: colour("before") });
+        series.splice(1, 0, { ...line, label: before.plan, stroke: colour("before"), value: valueBeside });
         specs.unshift({ before: true });
       }
       const first = !charts.length; // the speed

@@ -49,7 +49,8 @@ function stretchOf(aspect) {
   return aspect > 1 ? most : 1 / most;
 }
 
-function axes(box, at, names, toUnit, unitName, stretch) {
+/** @param toUnit  factor from um, or from thousandths of a degree; units: of both directions */
+function axes(box, at, names, toUnit, units, stretch) {
   const parts = [];
   const { left, right, top, bottom, width, height } = size;
   const step = nice((box[1] - box[0]) / 7);
@@ -73,7 +74,7 @@ function axes(box, at, names, toUnit, unitName, stretch) {
     );
   }
   const longer = `, drawn ${four(Math.max(stretch, 1 / stretch))} times as long`;
-  const [x, y] = names.map((name, i) => `${name} / ${unitName}${(i ? stretch > 1 : stretch < 1) ? longer : ""}`);
+  const [x, y] = names.map((name, i) => `${name} / ${units[i]}${(i ? stretch > 1 : stretch < 1) ? longer : ""}`);
   parts.push(
     make("text", { x: width - right, y: height - 3, "text-anchor": "end" }, x),
     make("text", { x: left, y: top - 2 }, y),
@@ -154,6 +155,7 @@ export function drawPath(place, now, before) {
   const at = (x, y) => [size.left + (x - box[0]) * scales[0], size.top + (box[3] - y) * scales[1]];
   const large = box[1] - box[0] > 4000;
   const { view, corner, tolerance } = now;
+  const units = view.path.units.map(([small, big]) => (large ? big : small));
   const [cx, cy] = at(0, 0);
   const parts = [make("title", {}, `path at corner ${view.name}`)];
   const clip = [];
@@ -185,7 +187,7 @@ export function drawPath(place, now, before) {
     },
     ...clip,
   );
-  parts.push(...axes(box, at, view.path.names, large ? 1e-3 : 1, large ? "mm" : "\u00b5m", stretch), inner);
+  parts.push(...axes(box, at, view.path.names, large ? 1e-3 : 1, units, stretch), inner);
   const words = `error ${four(1e6 * corner.corner_error_m)} \u00b5m${tolerance ? ` of ${four(tolerance)}` : ""}`;
   const drawn = view.path.x_um.map((x, i) => at(x, view.path.y_um[i]));
   const { x, y, anchor } = emptiest(drawn, legs);

@@ -1,7 +1,7 @@
 // The page of a program: its path by speed, everything over time, where time is lost, one plan against the other.
 import { cornerText, openCorner } from "./corner.js";
 import { cornerList } from "./corner_list.js";
-import { $, four, instant, make, table } from "./format.js";
+import { $, four, instant, lengthUnit, make, table } from "./format.js";
 import { showUndo, undoByKeys } from "./history.js";
 import { fit, fitPaper, nearestTo, timeCharts, zoomTo } from "./over_time.js";
 import { begin, stayAlive } from "./requests.js";
@@ -90,9 +90,10 @@ function tell(i) {
 
 /** The sample's numbers, as the legends of the charts have them. */
 function sayWhere(plan, i) {
-  const places = program.axes.map((name, a) => `${name} ${four(plan.places_mm[a][i])}`).join(", ");
+  const place = (name, a) => `${name} ${four(plan.places_mm[a][i])} ${lengthUnit(name)}`;
+  const places = program.axes.map(place).join(", ");
   const limit = plan.binds[i] < 0 ? program.other : program.limits[plan.binds[i]];
-  $("#info").textContent = `${instant(plan.t_s[i])} s: ${places} mm, ${four(plan.speed_mm_s[i])} mm/s; ${limit} binds`;
+  $("#info").textContent = `${instant(plan.t_s[i])} s: ${places}, ${four(plan.speed_mm_s[i])} mm/s; ${limit} binds`;
 }
 
 function drawPath() {
@@ -180,10 +181,10 @@ function tables() {
   $("#lost").replaceChildren(make("h2", {}, "time lost against the programmed feed"), wide(table(columns, rows)));
   // The table has the class of motions; what else is to be said stands below it.
   const notes = [];
-  const bounds = plan.bounds.map(({ name, time_s, motions }) => {
+  const bounds = plan.bounds.map(({ name, time_s, motions, complete }) => {
     const [holds, ...more] = motions.split("; ");
     if (more.length) notes.push(make("p", { class: "small" }, `${name}: ${more.join("; ")}.`));
-    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), holds];
+    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), complete ? holds : `${holds} (unfinished: with more time it may be larger)`];
   });
   const head = ["bound", "time / s", "of this plan / %", "holds for"];
   $("#bounds").replaceChildren(

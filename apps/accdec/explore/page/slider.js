@@ -57,7 +57,8 @@ function scaleOf(key, value) {
       of: (x) => (100 * x) / to,
     };
   }
-  return overDecades(Math.max(value / 10, low > 0 ? low : 0), Math.min(value * 10, high), value, whole);
+  const part = (factor) => Number((value * factor).toPrecision(12)); // 0.34 of 3.4
+  return overDecades(Math.max(part(0.1), low > 0 ? low : 0), Math.min(part(10), high), value, whole);
 }
 
 /** Round numbers, a half to two and a half per cent apart, and the value itself. */
@@ -83,9 +84,24 @@ function overDecades(from, to, value, whole) {
 function allowed(key) {
   const kind = key.type === "integer" ? "a whole number" : "a number";
   const limits = [];
-  if (key.low > -1e300) limits.push(`${key.open_low ? "above" : "from"} ${key.low}`);
-  if (key.high < 1e300) limits.push(`to ${key.high}`);
+  const { from, to } = key.between?.() ?? {};
+  if (from !== undefined) limits.push(`from ${from}`);
+  else if (key.low > -1e300) limits.push(`${key.open_low ? "above" : "from"} ${key.low}`);
+  if (to !== undefined) limits.push(`to ${to}`);
+  else if (key.high < 1e300) limits.push(`to ${key.high}`);
   return [kind, ...limits].join(" ");
+}
+
+/** A comma that is typed is the point of a number. One that may divide thousands is not taken. */
+function onComma(number, refuse) {
+  number.addEventListener("beforeinput", (event) => {
+    if (!event.data?.includes(",")) return;
+    event.preventDefault();
+    const text = event.data.trim();
+    if (text === "," || /^[-+]?\d*,\d*$/.test(text) && !/,\d{3}$/.test(text))
+      document.execCommand("insertText", false, text.replace(",", "."));
+    else refuse(text);
+  });
 }
 
 /** While a field holds no number, the answer on the page is not about what it shows. */
@@ -130,9 +146,15 @@ export function slider(key, id, now, put) {
     }
     range.setAttribute("aria-valuetext", String(value));
   };
+  /** The nearest value that keeps the ends of a band in their order. */
+  const within = (value) => {
+    const { from = -Infinity, to = Infinity } = key.between?.() ?? {};
+    return Math.min(Math.max(value, from), to);
+  };
   range.addEventListener("input", () => {
-    put(scale.at(Number(range.value), scale));
-    show(range);
+    const value = scale.at(Number(range.value), scale);
+    put(within(value));
+    show(within(value) === value ? range : undefined);
   });
   range.addEventListener("keydown", (event) => {
     const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
@@ -142,9 +164,11 @@ export function slider(key, id, now, put) {
     range.value = Number(before) + 10 * way;
     if (range.value !== before) range.dispatchEvent(new Event("input"));
   });
+  onComma(number, (text) => wrong(`${text} is not taken: a point divides; the last was ${now()}`));
   number.addEventListener("input", () => {
     const value = Number(number.value);
-    const held = number.value !== "" && Number.isFinite(value) && (key.type !== "integer" || Number.isInteger(value));
+    const whole = key.type !== "integer" || Number.isInteger(value);
+    const held = number.value !== "" && Number.isFinite(value) && whole && within(value) === value;
     wrong(held ? null : `${allowed(key)}; the last was ${now()}`);
     if (!held) return;
     put(value);

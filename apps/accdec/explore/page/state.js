@@ -35,12 +35,18 @@ const kinds = { corner: "number", beside: "string", whole: "boolean", planned: "
 const isTable = (value) => value?.constructor === Object;
 const isTask = (task) => isTable(task) && ["axis", "corner", "mode"].every((name) => [task[name] ?? []].flat().every(isTable));
 
+/** A whole number from 0 on; 0 for what is none. */
+function numberOf(text) {
+  const number = Math.floor(Number(text));
+  return Number.isSafeInteger(number) && number > 0 ? number : 0;
+}
+
 function choicesOf(words) {
   const choices = {};
   for (const [name, kind] of Object.entries(kinds)) {
     if (!words.has(name)) continue;
     const text = words.get(name);
-    choices[name] = kind === "number" ? Math.max(0, Math.floor(Number(text)) || 0) : kind === "boolean" ? text === "true" : text;
+    choices[name] = kind === "number" ? numberOf(text) : kind === "boolean" ? text === "true" : text;
   }
   return choices;
 }

@@ -7,8 +7,8 @@ const candidates = ({ task, settings }) =>
   task.filter ? "delays of this filter" : settings ? "settings of this control" : "filter and delays";
 
 /** The badge's word and what stands behind it. */
-function badge({ design: answer, seeking }) {
-  if (!answer) return ["no answer", ""];
+function badge({ design: answer, seeking, beginning }) {
+  if (!answer) return beginning ? ["searching", ""] : ["no answer", ""];
   const { result, proof } = answer;
   if (seeking) return ["searching", result.message];
   if (proved(answer))
@@ -32,9 +32,9 @@ const cutText = (seconds) =>
   `The search of accdec design was cut off here after ${seconds} s; by itself it may end with another filter.`;
 
 /** Where there is no filter. */
-function sayNone({ seeking, cut }, result) {
+function sayNone({ seeking, beginning, cut }, result) {
   const none = result?.status === "infeasible";
-  const still = seeking ? "No filter found so far: the search goes on." : "No design so far.";
+  const still = seeking || beginning ? "No filter found so far: the search goes on." : "No design so far.";
   $("#sentence").textContent = none ? "No filter holds these limits." : still;
   $("#today").textContent = none
     ? "\u201cFind out\u201d below says how much each limit has to give."

@@ -116,8 +116,10 @@ export function familyTable(all, own, design, task, period, chosen, choose, open
     const reasons = new Map();
     for (const f of rest) reasons.set(f.message, [...(reasons.get(f.message) ?? []), f.title]);
     const lines = [...reasons].map(([why, titles]) => make("p", { class: "small" }, `${titles.join("; ")}: ${why}`));
-    const names = rest.map((f) => f.title).join("; ");
-    const summary = make("summary", {}, `Without a filter: ${names}`);
+    const named = (words, some) => (some.length ? `${words}: ${some.map((f) => f.title).join("; ")}. ` : "");
+    const unended = (f) => f.status === "failed";
+    const none = named("Without a filter", rest.filter((f) => !unended(f)));
+    const summary = make("summary", {}, none + named("Not searched to the end", rest.filter(unended)));
     parts.push(make("details", { class: "small", id: "reasons", open }, summary, ...lines));
   }
   return parts;
