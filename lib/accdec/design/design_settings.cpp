@@ -88,7 +88,8 @@ std::string closest_break(const Task& task, double seconds, const std::atomic<bo
 
 /// ", and a delay of 14 ms", or of the shortest to the longest; empty if there is none.
 std::string and_delays(const std::vector<int>& delays, double period) {
-  const auto [least, most] = std::ranges::minmax(delays);
+  const auto [low, high] = std::minmax_element(delays.begin(), delays.end());
+  const int least = *low, most = *high;
   if (most == 0) return "";
   if (least == most) return fmt::format(", and a delay of {:.6g} ms", 1e3 * most * period);
   return fmt::format(", and delays of {:.6g} to {:.6g} ms", 1e3 * least * period, 1e3 * most * period);
