@@ -67,8 +67,11 @@ std::string version_text() {
   std::string text = fmt::format("accdec {}\ncommit {}\n", ACCDEC_VERSION, source_commit());
   auto with = libraries();
   with.emplace_back("CLI11", CLI11_VERSION);
-  using Version = decltype(explore::accdec_explore_http_version);
-  with.emplace_back("cpp-httplib", solvers::module_function<Version>("explore", "accdec_explore_http_version")());
+  try {
+    using Version = decltype(explore::accdec_explore_http_version);
+    with.emplace_back("cpp-httplib", solvers::module_function<Version>("explore", "accdec_explore_http_version")());
+  } catch (const std::runtime_error&) {  // without its module nothing needs the library
+  }
   with.emplace_back("uPlot", uplot_version());
   std::sort(with.begin(), with.end());
   for (const auto& [name, number] : with)
