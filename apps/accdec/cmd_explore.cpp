@@ -6,7 +6,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <thread>
 
 #include <fcntl.h>
@@ -17,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/files/scratch_folder.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/solvers/module.hpp>
@@ -46,10 +46,8 @@ struct ExploreArguments {
 /// as long as this is.
 class PrivatePage {
  public:
+  /// @throws std::runtime_error if there is no folder for it
   explicit PrivatePage(const std::string& address) {
-    std::string folder = std::filesystem::temp_directory_path() / "accdec-explore-XXXXXX";
-    if (::mkdtemp(folder.data()) == nullptr) return;  // with mode 0700
-    folder_ = folder;
     const std::string text = fmt::format(
         "<!doctype html><meta charset=\"utf-8\"><title>accdec explore</title>"
         "<meta http-equiv=\"refresh\" content=\"0; url={0}\"><p><a href=\"{0}\">accdec explore</a></p>\n",
@@ -58,18 +56,12 @@ class PrivatePage {
     written_ = file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
     if (file >= 0) ::close(file);
   }
-  PrivatePage(const PrivatePage&) = delete;
-  PrivatePage& operator=(const PrivatePage&) = delete;
-  ~PrivatePage() {
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-  }
 
   bool written() const { return written_; }
   std::filesystem::path path() const { return folder_ / "page.html"; }
 
  private:
-  std::filesystem::path folder_;
+  ScratchFolder folder_{"accdec-explore"};
   bool written_ = false;
 };
 
@@ -132,7 +124,10 @@ void run(const ExploreArguments& arguments, Context& context) {
   serve(
       {start, explore::page_files(), explore::answer},
       [&](const std::string& address) {
-        if (!arguments.no_browser) file.emplace(address + page);
+        try {
+          if (!arguments.no_browser) file.emplace(address + page);
+        } catch (const std::runtime_error&) {  // without a folder for it the address is printed
+        }
         const bool opened = file && file->written() && open_browser(file->path());
         if (context.quiet && opened) return;
         fmt::print("{}\n", address + page);

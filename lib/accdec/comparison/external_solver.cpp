@@ -19,6 +19,7 @@
 #include <accdec/comparison/external_solver.hpp>
 #include <accdec/comparison/recorded_problem.hpp>
 #include <accdec/files/limited_process.hpp>
+#include <accdec/files/scratch_folder.hpp>
 #include <accdec/files/shown_text.hpp>
 #include <accdec/instances/instance.hpp>
 
@@ -32,28 +33,6 @@ using solvers::Claim;
 constexpr std::uintmax_t most_answer_bytes = 100'000'000;
 /// Linux has signals up to this one. A shell's exit code for a program that one ended is 128 more.
 constexpr int last_signal = 64;
-
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::error_code missing;
-    std::string name = (fs::temp_directory_path(missing) / "accdec-external-XXXXXX").string();
-    if (missing || !::mkdtemp(name.data()))
-      throw std::runtime_error("no temporary folder can be made; TMPDIR must name a folder that can be written to");
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  std::string string() const { return path_.string(); }
-
- private:
-  fs::path path_;
-};
 
 /// "{nl}, {answer}"
 std::string allowed_words(const std::map<std::string, std::string>& places) {
@@ -201,7 +180,7 @@ solvers::Result ExternalSolver::do_solve(const nlp::Problem& problem, std::span<
     result.message = reason.what();
     return result;
   }
-  const ScratchFolder folder;
+  const ScratchFolder folder("accdec-external");
   const fs::path file = folder / ("problem." + external_.reads), answer_file = folder / "problem.sol";
   std::ofstream(file, std::ios::binary) << text.content;
   const std::vector<std::string> words =
