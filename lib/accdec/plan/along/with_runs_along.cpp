@@ -22,7 +22,11 @@ using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::si
 class Joining {
  public:
   Joining(const FreePath& free, const FreeSamples& motion, MakeRun make)
-      : free_(free), motion_(motion), make_(std::move(make)), n_(free.dimensions()) {
+      : free_(free),
+        motion_(motion),
+        make_(std::move(make)),
+        n_(free.dimensions()),
+        last_move_(motion.count(n_) - 1 - free.rests_at(free.path.blocks() - 1)) {
     result_.position.assign(motion.position.begin(), motion.position.begin() + static_cast<std::ptrdiff_t>(n_));
   }
 
@@ -36,6 +40,10 @@ class Joining {
     }
     choose();
     for (std::size_t i = 0; i < runs_.size(); ++i) take(i);
+    if (runs_.back().chosen)
+      rest(motion_.count(n_) - 1 - last_move_, free_.path.blocks());
+    else
+      copy(last_move_, motion_.count(n_) - 1);
     return std::move(result_);
   }
 
@@ -58,7 +66,7 @@ class Joining {
   /// The sample at which the motion rests at the end of a block; 0: it does not. Behind a last filter it comes to rest
   /// slowly.
   std::size_t stop_at(std::size_t b) const {
-    const std::size_t last = motion_.count(n_) - 1;
+    const std::size_t last = last_move_;
     if (b + 1 == free_.path.blocks()) return last;
     const bool exact = free_.path.joint[b] != Joint::straight && free_.path.tolerance[b] < least_tolerance;
     if (free_.path.joint[b] != Joint::stop && !exact) return 0;
@@ -118,6 +126,12 @@ class Joining {
     for (std::size_t i = 0; i < count; ++i)
       result_.position.insert(result_.position.end(), free_.path.point(point), free_.path.point(point) + n_);
   }
+  /// Samples of the motion after `begin`, up to `end`.
+  void copy(std::size_t begin, std::size_t end) {
+    result_.position.insert(result_.position.end(),
+                            motion_.position.begin() + static_cast<std::ptrdiff_t>((begin + 1) * n_),
+                            motion_.position.begin() + static_cast<std::ptrdiff_t>((end + 1) * n_));
+  }
   void take(std::size_t i) {
     const Run& run = runs_[i];
     if (i > 0 && runs_[i - 1].chosen != run.chosen) rest(between(run, run.chosen), run.first);
@@ -127,9 +141,7 @@ class Joining {
       result_.position.insert(result_.position.end(), run.along->position.begin(), run.along->position.end());
       for (const double pass : run.along->passes) result_.passes.push_back(now + pass);
     } else {
-      result_.position.insert(result_.position.end(),
-                              motion_.position.begin() + static_cast<std::ptrdiff_t>((run.begin + 1) * n_),
-                              motion_.position.begin() + static_cast<std::ptrdiff_t>((run.end + 1) * n_));
+      copy(run.begin, run.end);
       for (std::size_t b = run.first; b < run.last; ++b)
         result_.passes.push_back(motion_.passes[b] - static_cast<double>(run.begin) + now);
     }
@@ -142,15 +154,14 @@ class Joining {
       while (k + 1 < end && distance(k + 1, 0) <= at_rest) ++k;
       return free_.path.dwell_first > 0.0 ? k - begin : 0;
     }
-    double time = 0.0;
-    for (const auto& [block, dwell] : free_.path.dwells_at(first - 1)) time += dwell;
-    return static_cast<std::size_t>(std::ceil(time / free_.period - 1e-9));
+    return free_.rests_at(first - 1);
   }
 
   const FreePath& free_;
   const FreeSamples& motion_;
   const MakeRun make_;
   const std::size_t n_;
+  const std::size_t last_move_;  // sample that ends it; a dwell may follow
   std::vector<Run> runs_;
   FreeSamples result_;
 };
