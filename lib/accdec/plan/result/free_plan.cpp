@@ -74,24 +74,34 @@ AlongPlan fastest_samples(const ProgramResult& profiles, const ProgramResult* fi
   return {profiles, sampled(path, *profiles.plan.trajectory(), profiles.sample_period)};
 }
 
-/// The motion with each straight leg between stops by itself, if the check takes it.
-AlongPlan with_fastest_legs(AlongPlan begun, const ProgramResult& profiles, const FreePath& tube,
-                            const std::function<void(const std::string&)>& tell) {
-  FreeSamples samples = with_straight_runs(tube, begun.samples);
+/// A motion's samples made otherwise, if that is faster and the check takes it.
+AlongPlan if_faster(AlongPlan begun, FreeSamples samples, const ProgramResult& profiles, const FreePath& tube,
+                    const char* method, const std::function<void(const std::string&)>& tell) {
   if (!(samples.position.size() < begun.samples.position.size())) return begun;
   ProgramResult result = with_samples(profiles, samples);
   const std::string broken = judge_free_motion(result, tube.machine);
   if (!broken.empty() && tell) tell("legs by themselves were refused by the check of their samples: " + broken);
   if (!broken.empty() || !(result.cycle_time < begun.result.cycle_time)) return begun;
-  result.solver.method = "legs from stop to stop by closed form";
+  result.solver.method = method;
   return {std::move(result), std::move(samples)};
+}
+
+/// The motion with each straight leg between stops by itself.
+AlongPlan with_fastest_legs(AlongPlan begun, const ProgramResult& profiles, const FreePath& tube,
+                            const Deadline& deadline, const std::function<void(const std::string&)>& tell) {
+  FreeSamples straight = with_straight_runs(tube, begun.samples);
+  begun =
+      if_faster(std::move(begun), std::move(straight), profiles, tube, "legs from stop to stop by closed form", tell);
+  FreeSamples shortest = with_shortest_legs(tube, begun.samples, deadline);
+  return if_faster(std::move(begun), std::move(shortest), profiles, tube, "legs from stop to stop by linear programmes",
+                   tell);
 }
 
 /// The beginning with its samples shortened; the beginning itself where nothing is gained.
 ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine,
                         const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
-  begun = with_fastest_legs(std::move(begun), profiles, tube, tell);
+  begun = with_fastest_legs(std::move(begun), profiles, tube, options.deadline, tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   if (report.ended && tell) tell("ended early with the best motion so far");
   ProgramResult result = with_samples(profiles, begun.samples);
