@@ -77,6 +77,8 @@ std::size_t last_move(const FreePath& free, const FreeSamples& motion) {
   return motion.count(free.dimensions()) - 1 - free.rests_at(free.path.blocks() - 1);
 }
 
-std::vector<StopRun> stop_runs(const FreePath& free, const FreeSamples& motion) { return Cutting(free, motion).run(); }
+std::vector<StopRun> stop_runs(const FreePath& free, const FreeSamples& motion) {
+  return Cutting(free, motion).run();
+}
 
 }  // namespace accdec

@@ -137,7 +137,8 @@ class Legs {
         const double v = (x[k] - x[k - 1]) * rate, b = (v - (x[k - 1] - x[k - 2]) * rate) * rate;
         if (!(std::abs(b) <= rounded * limits.acceleration_max)) return false;
         if (!(std::abs(limits.mass * b + limits.damping * v) <= rounded * limits.force_max)) return false;
-        const double third = border < 3 ? 0.0 : (x[k] - 3.0 * x[k - 1] + 3.0 * x[k - 2] - x[k - 3]) * rate * rate * rate;
+        const double third =
+            border < 3 ? 0.0 : (x[k] - 3.0 * x[k - 1] + 3.0 * x[k - 2] - x[k - 3]) * rate * rate * rate;
         if (!(std::abs(third) <= rounded * limits.jerk_max)) return false;
       }
     }

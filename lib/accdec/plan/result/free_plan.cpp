@@ -39,7 +39,7 @@ std::string why_no_motion(const ProgramResult& profiles, const Deadline& deadlin
     return "dwells of more than two million samples are not written one by one";
   const auto samples = static_cast<double>(profiles.check.samples);
   if (samples / samples_a_second > deadline.left())
-    return fmt::format("{:.2g} samples take longer to write one by one than the time limit leaves", samples);
+    return fmt::format("{:.0f} samples take longer to write one by one than the time limit leaves", samples);
   return "";
 }
 
