@@ -9,7 +9,7 @@
 
 namespace accdec {
 
-/// Where a leg begins: the last two steps of the motion before it, m, rows; the later one first.
+/// The beginning of a leg: the last two steps of the motion before it, m, rows; the later one first.
 struct LegStart {
   std::vector<double> steps;
   bool rest = true;  ///< all steps are 0
@@ -17,8 +17,8 @@ struct LegStart {
 
 /// A motion along a straight leg in so many samples, by a linear programme over them: velocity, acceleration, jerk, and
 /// force with viscous friction. It begins behind the given steps and ends at rest; its first differences see both.
-/// Where it goes at full speed, one step may stand for many.
-/// @param way  m, of every sample of a motion along the leg, from 0 to its length: where the search begins
+/// At full speed one step may stand for many.
+/// @param way  m, of every sample of a motion along the leg, from 0 to its length: the search begins there
 /// @returns the part of the way that is done at every sample, 0 .. 1; none if there is no such motion, or none is found
 std::optional<std::vector<double>> leg_in(const FreePath& free, const StraightLeg& leg, const LegStart& start,
                                           const std::vector<double>& way, std::size_t count);

@@ -10,8 +10,8 @@
 namespace accdec {
 namespace {
 
-/// Puts a motion together, run by run: straight legs anew, other runs as they are. The first differences of a run see
-/// the end of the one before.
+/// Puts a motion together, run by run: straight legs by programmes, other runs as they are. The first differences of a
+/// run see the end of the one before.
 class Legs {
  public:
   Legs(const FreePath& free, const FreeSamples& motion, const Deadline& deadline)
