@@ -139,6 +139,18 @@ TEST(ShortestLegs, AreNoLongerThanThreeAverages) {
   }
 }
 
+// 50 mm at 100 mm/s take 0.5 s and a ramp of 0.1 s by each of the averages: 500 + 100 + 20 - 2 steps, at the limits.
+TEST(ShortestLegs, OfRoundFiguresTakeWholeNumbersOfSamples) {
+  Task task;
+  task.sample_period = T;
+  task.machine = test::machine_of(1.0, 50.0);
+  for (const auto& [legs, time] : {std::pair{"G1 X50\n", 0.619}, {"G1 X50\nG1 Y50\nG1 X0\n", 1.855}}) {
+    const ProgramResult result = free_plan(std::string("G21 G90 G61.1 F6000\n") + legs + "M2\n", task);
+    EXPECT_STREQ(result.plan.name(), "free");
+    EXPECT_NEAR(result.cycle_time, time, 1e-9);
+  }
+}
+
 // Legs after one another take at most as many samples more as their differences see of the leg before.
 TEST(ShortestLegs, WithFrictionFollowOneAnother) {
   std::mt19937 random(9);

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 
 #include <accdec/plan/along/leg_program.hpp>
 #include <accdec/plan/free/cone_program.hpp>
@@ -43,7 +45,7 @@ class LegProgram {
     }
   }
 
-  /// @param way  m, of every unknown: the guess; becomes the answer, which ends at the length or beyond
+  /// @param way  m, of every unknown: the guess; becomes the answer, which ends at the length, or beyond it
   bool solve(std::vector<double>& way) {
     for (double& z : way) z /= unit_;
     if (!program_.solve(way, true)) return false;
@@ -151,7 +153,66 @@ Held held_steps(const FreePath& free, const StraightLeg& leg, const std::vector<
   return {head + near, count - ends};
 }
 
+/// Whole numbers of at least 1 whose excess over the ratio is no rounding.
+std::size_t at_least(double ratio) {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(ratio * (1.0 - 1e-11))));
+}
+
+/// Samples of three averages.
+struct Lengths {
+  std::size_t first = 0, second = 0, third = 0;
+  std::size_t steps() const { return first + second + third - 2; }
+};
+
+/// The shortest averages that make a step as long as the leg a motion within the limits.
+std::optional<Lengths> averages_of(const FreePath& free, const StraightLeg& leg) {
+  constexpr std::size_t longer = 400, most = 2'000'000;  // samples of the first average
+  double speed = leg.feed, acceleration = unlimited, jerk = unlimited;
+  for (std::size_t a = 0; a < free.dimensions(); ++a) {
+    const Axis& axis = free.machine.axes[a];
+    const double part = std::abs(leg.direction[a]);
+    if (part > 0.0 && axis.force_max < unlimited) return {};
+    speed = std::min(speed, axis.velocity_max / part);
+    acceleration = std::min(acceleration, axis.acceleration_max / part);
+    jerk = std::min(jerk, axis.jerk_max / part);
+  }
+  if (!(leg.length / (speed * free.period) < static_cast<double>(most))) return {};
+  const std::size_t least = at_least(leg.length / (speed * free.period));
+  std::optional<Lengths> best;
+  for (std::size_t first = least; first <= least + longer; ++first) {
+    const double steepest = leg.length / (static_cast<double>(first) * free.period * free.period);
+    const std::size_t second = at_least(steepest / acceleration);
+    const std::size_t third = at_least(steepest / (static_cast<double>(second) * free.period * jerk));
+    // Else two changes of the acceleration overlap.
+    if (second > first || third > second || (third > 1 && second + third > first)) continue;
+    const Lengths lengths{first, second, third};
+    if (!best || lengths.steps() < best->steps()) best = lengths;
+  }
+  return best;
+}
+
 }  // namespace
+
+std::optional<std::vector<double>> averaged_leg(const FreePath& free, const StraightLeg& leg) {
+  const std::optional<Lengths> n = averages_of(free, leg);
+  if (!n) return {};
+  // Whole numbers, so that differences are those of the averages and not of rounding.
+  std::vector<std::int64_t> sum(n->steps() + 4, 0);
+  const auto add = [&](std::size_t k, std::int64_t sign) {
+    if (k < sum.size()) sum[k] += sign;
+  };
+  for (const std::size_t i : {std::size_t{0}, n->first}) {
+    for (const std::size_t j : {std::size_t{0}, n->second}) {
+      for (const std::size_t k : {std::size_t{0}, n->third})
+        add(i + j + k, (i > 0 ? -1 : 1) * (j > 0 ? -1 : 1) * (k > 0 ? -1 : 1));
+    }
+  }
+  for (int times = 0; times < 4; ++times) std::partial_sum(sum.begin(), sum.end(), sum.begin());
+  const double whole = static_cast<double>(n->first) * static_cast<double>(n->second) * static_cast<double>(n->third);
+  std::vector<double> done{0.0};
+  for (std::size_t k = 0; k < n->steps(); ++k) done.push_back(static_cast<double>(sum[k]) / whole);
+  return done;
+}
 
 std::optional<std::vector<double>> leg_in(const FreePath& free, const StraightLeg& leg, const LegStart& start,
                                           const std::vector<double>& way, std::size_t count) {

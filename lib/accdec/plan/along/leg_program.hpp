@@ -23,4 +23,9 @@ struct LegStart {
 std::optional<std::vector<double>> leg_in(const FreePath& free, const StraightLeg& leg, const LegStart& start,
                                           const std::vector<double>& way, std::size_t count);
 
+/// The same from rest to rest by three averages of a step as long as the leg. Their limits hold to rounding, so that
+/// legs of round figures take whole numbers of samples.
+/// @returns none with a limit of force
+std::optional<std::vector<double>> averaged_leg(const FreePath& free, const StraightLeg& leg);
+
 }  // namespace accdec

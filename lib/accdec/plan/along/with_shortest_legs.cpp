@@ -75,7 +75,10 @@ class Legs {
     if (way.size() < 2) return false;
     const std::size_t before = result_.count(n_);
     rest(run.rest, run.first);
-    const std::optional<std::vector<double>> done = fewest(*leg, way);
+    std::optional<std::vector<double>> done = fewest(*leg, way);
+    std::optional<std::vector<double>> averaged = averaged_leg(free_, *leg);
+    const std::size_t samples = done ? done->size() : way.size();
+    if (averaged && averaged->size() < samples && fits(first_of(run, *averaged), 0)) done = std::move(averaged);
     if (!done) {
       result_.position.resize(before * n_);
       return false;
@@ -121,8 +124,21 @@ class Legs {
     return best;
   }
 
-  /// Whether the beginning of a run may follow the result after so much rest.
-  bool fits(const StopRun& run, std::size_t rests) const {
+  /// The first samples behind the result, rows.
+  std::vector<double> first_of(const StopRun& run) const {
+    std::vector<double> rows;
+    for (std::size_t i = 1; i <= free_.border(); ++i) {
+      const std::size_t k = std::min(run.begin + i, motion_.count(n_) - 1);
+      rows.insert(rows.end(), &motion_.position[k * n_], &motion_.position[k * n_] + n_);
+    }
+    return rows;
+  }
+  std::vector<double> first_of(const StopRun& run, std::vector<double> done) const {
+    done.resize(free_.border() + 1, 1.0);
+    return on_line(free_, run.first, run.last, done).position;
+  }
+  /// Whether these samples may follow the result after so much rest.
+  bool fits(const std::vector<double>& next, std::size_t rests) const {
     const std::size_t border = free_.border(), count = result_.count(n_);
     constexpr double rounded = 1.0 + 1e-9;
     const double rate = 1.0 / free_.period;
@@ -131,8 +147,7 @@ class Legs {
       std::vector<double> x;
       for (std::size_t i = border; i-- > 0;) x.push_back(axis(result_, count - 1 - std::min(i, count - 1), a));
       x.insert(x.end(), rests, x.back());
-      for (std::size_t i = 1; i <= border; ++i)
-        x.push_back(axis(motion_, std::min(run.begin + i, motion_.count(n_) - 1), a));
+      for (std::size_t i = 0; i < border; ++i) x.push_back(next[i * n_ + a]);
       for (std::size_t k = border; k < x.size(); ++k) {
         const double v = (x[k] - x[k - 1]) * rate, b = (v - (x[k - 1] - x[k - 2]) * rate) * rate;
         if (!(std::abs(b) <= rounded * limits.acceleration_max)) return false;
@@ -147,7 +162,7 @@ class Legs {
   /// The run as it is. If it has to wait for the legs before it as long as they save, they stay as they are, too.
   void keep(const StopRun& run) {
     std::size_t rests = 0;
-    while (changed_ && rests + 1 < free_.border() && !fits(run, rests)) ++rests;
+    while (changed_ && rests + 1 < free_.border() && !fits(first_of(run), rests)) ++rests;
     if (rests > 0) {
       const std::size_t now = result_.count(n_) - chain_.samples;
       if (now + rests >= run.begin - chain_.run.begin) {
