@@ -151,6 +151,20 @@ TEST(ShortestLegs, OfRoundFiguresTakeWholeNumbersOfSamples) {
   }
 }
 
+// The end of a leg that uses all of a limit does not bind another axis, whose friction rules the next leg.
+TEST(ShortestLegs, OfOtherAxesFollowAtOnce) {
+  Task task;
+  task.sample_period = T;
+  task.machine = test::machine_of(1.0, 50.0);
+  Axis& y = task.machine.axes[1];
+  y.velocity_max = 0.05, y.acceleration_max = 0.3, y.jerk_max = unlimited;
+  y.mass = 20.0, y.damping = 200.0, y.force_max = 10.0;
+  const int first = fewest(task.machine.axes, {1.0, 0.0}, 0.1, 0.05 * (1.0 - 1e-7));
+  const int second = fewest(task.machine.axes, {0.0, 1.0}, 0.05, 0.03 * (1.0 - 1e-7));
+  const ProgramResult result = free_plan("G21 G90 G61.1\nG1 X50 F6000\nG1 Y30 F3000\nM2\n", task);
+  EXPECT_NEAR(result.cycle_time, (first + second + 1) * T, 1e-9);
+}
+
 // Legs after one another take at most as many samples more as their differences see of the leg before.
 TEST(ShortestLegs, WithFrictionFollowOneAnother) {
   std::mt19937 random(9);

@@ -75,7 +75,12 @@ class LegProgram {
       const double factor = factors[static_cast<std::size_t>(i)];
       if (factor != 0.0) add(form, k, k < 0 ? factor : factor * part, axis);
     }
-    if (form.count > 0) program_.bound(form);
+    if (form.count == 0) return;
+    // The steps before may use all of a limit, which is more than the programme's bound.
+    const double most = std::max(1.0, std::abs(form.constant));
+    form.constant /= most;
+    for (int i = 0; i < form.count; ++i) form.coefficient[static_cast<std::size_t>(i)] /= most;
+    program_.bound(form);
   }
 
   /// Steps go forward, and no faster than axes and feed allow.
@@ -111,6 +116,7 @@ class LegProgram {
   }
   /// Those that see the steps before.
   void add_axis(std::size_t p, std::size_t a) {
+    if (leg_.direction[a] == 0.0) return;
     const Axis& axis = free_.machine.axes[a];
     add_differences(p, axis.acceleration_max, axis.jerk_max, a, leg_.direction[a]);
   }

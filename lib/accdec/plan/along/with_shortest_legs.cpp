@@ -76,7 +76,7 @@ class Legs {
     if (way.size() < 2) return false;
     const std::size_t before = result_.count(n_);
     rest(run.rest, run.first);
-    std::optional<std::vector<double>> done = fewest(*leg, way);
+    std::optional<std::vector<double>> done = fewest(run, *leg, way);
     std::optional<std::vector<double>> averaged = averaged_leg(free_, *leg);
     // As short as there is, it is at rest at its ends without the rounding of a filter.
     const std::size_t most = done ? done->size() - 1 : way.size();
@@ -94,13 +94,14 @@ class Legs {
     return true;
   }
   /// The first number of samples for which there is a motion, around that of the motion there is.
-  std::optional<std::vector<double>> fewest(const StraightLeg& leg, const std::vector<double>& way) const {
+  std::optional<std::vector<double>> fewest(const StopRun& run, const StraightLeg& leg,
+                                            const std::vector<double>& way) const {
     const LegStart begin = start();
     const std::size_t now = way.size() - 1;
     std::optional<std::vector<double>> best;
     const auto try_count = [&](std::size_t count) {
       std::optional<std::vector<double>> done = leg_in(free_, leg, begin, way, count);
-      if (done) best = std::move(done);
+      if (done && fits(first_of(run, *done), 0)) best = std::move(done);
       return best && best->size() == count + 1;
     };
     // Most legs take two samples less; then three are too many.
