@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/plan/result/program_departure.hpp>
+#include <accdec/plan/verify/program_departure.hpp>
 
 namespace accdec {
 namespace {

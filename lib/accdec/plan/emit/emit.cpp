@@ -8,10 +8,10 @@
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/number.hpp>
-#include <accdec/plan/result/dialect_words.hpp>
-#include <accdec/plan/result/emit.hpp>
-#include <accdec/plan/result/emitted_lines.hpp>
-#include <accdec/plan/result/timed_moves.hpp>
+#include <accdec/plan/emit/dialect_words.hpp>
+#include <accdec/plan/emit/emit.hpp>
+#include <accdec/plan/emit/emitted_lines.hpp>
+#include <accdec/plan/emit/timed_moves.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/settings_text.hpp>
 

@@ -7,10 +7,10 @@
 
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
-#include <accdec/plan/result/arc_error.hpp>
-#include <accdec/plan/result/axis_loads.hpp>
-#include <accdec/plan/result/feed_override.hpp>
-#include <accdec/plan/result/servo_report.hpp>
+#include <accdec/plan/report/arc_error.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/feed_override.hpp>
+#include <accdec/plan/report/servo_report.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/verify.hpp>
