@@ -8,6 +8,7 @@
 
 #include <accdec/filter.hpp>
 #include <accdec/plan/report/feed_override.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/program.hpp>
 
 #include "reference.hpp"

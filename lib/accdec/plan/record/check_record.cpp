@@ -12,6 +12,7 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plan/run/other_rules.hpp>
 #include <accdec/plan/verify/program_departure.hpp>

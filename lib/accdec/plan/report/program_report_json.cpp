@@ -5,6 +5,7 @@
 
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>

@@ -10,6 +10,7 @@
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/plan/verify/used_limits.hpp>
 #include <accdec/plan/verify/verify_delay_kinds.hpp>
 #include <accdec/plan/verify/verify_path.hpp>
