@@ -9,7 +9,8 @@
 
 namespace accdec {
 
-/// The error of the joint at the end of block b, m. Errors below what positions can tell are none; neither are those of the stops of a trajectory, which waits there.
+/// The error of the joint at the end of block b, m. Errors below what positions can tell are none; neither are those of
+/// the stops of a trajectory, which waits there.
 double error_of(const ProgramResult& result, std::size_t b);
 
 /// Whether the motion comes to rest at the end of a block.
