@@ -192,6 +192,7 @@ struct Toolpath {
   /// The point that the motion must pass; errors are measured from it.
   const double* programmed_point(std::size_t i) const { return programmed_points() + i * axes.size(); }
   const double* programmed_points() const { return programmed.empty() ? points.data() : programmed.data(); }
+  double length(std::size_t b) const;  ///< m, of a block
   std::string axis_name(std::size_t dimension) const;
   double dwells() const;                                                             ///< of the whole program, s
   std::span<const std::pair<std::uint32_t, double>> dwells_at(std::size_t b) const;  ///< at the end of block b
