@@ -15,7 +15,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
 #include "corner_program.hpp"

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/filter.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 
 #include "program_command.hpp"

@@ -35,10 +35,7 @@ double corner_feed_step_of(const std::optional<ControllerSettings>& settings) {
 }
 
 double commanded_feed(const Toolpath& path, std::size_t b) {
-  double length = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-  return length / path.duration[b];
+  return path.length(b) / path.duration[b];
 }
 
 std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b) {

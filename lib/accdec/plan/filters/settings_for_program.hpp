@@ -6,6 +6,7 @@
 
 #include <accdec/files.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>

@@ -19,19 +19,12 @@ namespace {
 /// Programs of at most so many blocks are planned at the programmed feeds, too, and repaired to the end.
 constexpr std::size_t small_program = 2'000;
 
-double length_of(const Toolpath& path, std::size_t b) {
-  double length = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-  return length;
-}
-
 /// m, of a full-speed sample of a block: the way that the control watches.
 double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis) {
   double longest = 0.0;
   for (std::size_t a = 0; a < path.dimensions(); ++a)
     longest = std::max(longest, std::abs(path.point(b + 1)[a] - path.point(b)[a]));
-  return (by_axis ? longest : length_of(path, b)) / path.duration[b] * period;
+  return (by_axis ? longest : path.length(b)) / path.duration[b] * period;
 }
 
 /// A program at its feeds, every corner with the delay that it needs by itself.

@@ -24,6 +24,7 @@
 #include <accdec/plan/record/recorded_corner_bound.hpp>
 #include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {

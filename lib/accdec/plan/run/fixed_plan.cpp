@@ -12,9 +12,10 @@
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task/settings_text.hpp>

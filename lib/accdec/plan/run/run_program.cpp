@@ -19,10 +19,12 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
-#include <accdec/plan/result/cool_drives.hpp>
-#include <accdec/plan/result/other_rules.hpp>
-#include <accdec/plan/result/refused_keys.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/run/cool_drives.hpp>
+#include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/run/refused_keys.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
+#include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/verify.hpp>

@@ -8,7 +8,7 @@
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
-#include <accdec/plan/result/other_rules.hpp>
+#include <accdec/plan/run/other_rules.hpp>
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/task/blend_limits.hpp>

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include <accdec/bounds/filter_bound.hpp>
-#include <accdec/plan/result/samples.hpp>
-#include <accdec/plan/result/servo_report.hpp>
+#include <accdec/plan/report/samples.hpp>
+#include <accdec/plan/report/servo_report.hpp>
 
 namespace accdec {
 namespace {

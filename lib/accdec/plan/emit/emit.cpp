@@ -8,10 +8,10 @@
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/number.hpp>
-#include <accdec/plan/result/dialect_words.hpp>
-#include <accdec/plan/result/emit.hpp>
-#include <accdec/plan/result/emitted_lines.hpp>
-#include <accdec/plan/result/timed_moves.hpp>
+#include <accdec/plan/emit/dialect_words.hpp>
+#include <accdec/plan/emit/emit.hpp>
+#include <accdec/plan/emit/emitted_lines.hpp>
+#include <accdec/plan/emit/timed_moves.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/settings_text.hpp>
 
@@ -154,10 +154,7 @@ class Emission {
   int decimals_needed() const {
     double least = 1e-12;  // m
     for (std::size_t b = 0; b < path_.blocks(); ++b) {
-      double length = 0.0;
-      for (std::size_t a = 0; a < path_.dimensions(); ++a)
-        length = std::hypot(length, path_.point(b + 1)[a] - path_.point(b)[a]);
-      least = std::min(least, 1e-7 * length / path_.duration[b] * result_.sample_period);
+      least = std::min(least, 1e-7 * path_.length(b) / path_.duration[b] * result_.sample_period);
     }
     for (const LimitUse& use : result_.check.limits) {
       const bool jerk = use.kind == LimitKind::jerk;

@@ -13,8 +13,9 @@
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
-#include <accdec/plan/result/axis_loads.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>
 #include <accdec/verify.hpp>

@@ -7,7 +7,7 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/result/refused_keys.hpp>
+#include <accdec/plan/run/refused_keys.hpp>
 
 namespace accdec {
 namespace {

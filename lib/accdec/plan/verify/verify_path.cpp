@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <accdec/plan/result/verify_path.hpp>
+#include <accdec/plan/verify/verify_path.hpp>
 #include <accdec/task/verified_vibration.hpp>
 #include <accdec/verify.hpp>
 

@@ -5,8 +5,8 @@
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
-#include <accdec/plan/result/axis_loads.hpp>
-#include <accdec/plan/result/cool_drives.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/run/cool_drives.hpp>
 #include <accdec/program.hpp>
 
 namespace accdec {

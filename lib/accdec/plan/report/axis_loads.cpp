@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include <accdec/machine/limits.hpp>
-#include <accdec/plan/result/axis_loads.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/simulate/simulate.hpp>
 
 namespace accdec {

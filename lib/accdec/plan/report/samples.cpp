@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <accdec/gcode/number.hpp>
+#include <accdec/plan/emit/dialect_words.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/result/dialect_words.hpp>
 
 namespace accdec {
 

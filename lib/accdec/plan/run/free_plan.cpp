@@ -10,12 +10,12 @@
 #include <accdec/files.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
-#include <accdec/plan/result/along_plan.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/refused_keys.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/along_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/run/refused_keys.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 namespace accdec {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <accdec/plan/result/used_limits.hpp>
+#include <accdec/plan/verify/used_limits.hpp>
 #include <accdec/simulate/direct.hpp>
 
 // Internal: the verifier's own formulas of what a program's motion does to its path, and of what it leaves vibrating.

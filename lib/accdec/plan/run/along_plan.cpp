@@ -4,8 +4,8 @@
 
 #include <accdec/plan/along/along_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
-#include <accdec/plan/result/along_plan.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/along_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 namespace accdec {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <accdec/machine/limits.hpp>
-#include <accdec/plan/result/used_limits.hpp>
-#include <accdec/plan/result/verify_delay_kinds.hpp>
+#include <accdec/plan/verify/used_limits.hpp>
+#include <accdec/plan/verify/verify_delay_kinds.hpp>
 #include <accdec/task/verified_axes.hpp>
 #include <accdec/verify.hpp>
 

@@ -4,8 +4,8 @@
 
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
-#include <accdec/plan/result/emit.hpp>
-#include <accdec/plan/result/feed_override.hpp>
+#include <accdec/plan/emit/emit.hpp>
+#include <accdec/plan/report/feed_override.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/verify.hpp>
 

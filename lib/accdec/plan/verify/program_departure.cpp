@@ -6,18 +6,13 @@
 
 #include <fmt/format.h>
 
-#include <accdec/plan/result/program_departure.hpp>
+#include <accdec/plan/verify/program_departure.hpp>
+#include <accdec/simulate/joint_distance.hpp>
 
 namespace accdec {
 namespace {
 
 constexpr double departure_rounding = 1e-9;  // m
-
-double distance(const double* a, const double* b, std::size_t n) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum);
-}
 
 /// The nearest point on the way from a to b, as a part of it, and its distance from the point, m.
 std::pair<double, double> foot_on(const double* a, const double* b, const double* point, std::size_t n) {

@@ -6,7 +6,7 @@
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/result/verify_delay_kinds.hpp>
+#include <accdec/plan/verify/verify_delay_kinds.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/task/delay_kinds.hpp>
 

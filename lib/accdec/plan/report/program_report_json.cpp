@@ -4,8 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/machine/limit_unit.hpp>
-#include <accdec/plan/result/axis_loads.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/not_considered.hpp>
 

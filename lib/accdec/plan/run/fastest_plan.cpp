@@ -8,9 +8,9 @@
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/files.hpp>
-#include <accdec/plan/result/along_plan.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/along_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 
 namespace accdec {
 PlanTime time_of(const ProgramResult& r) {

@@ -10,10 +10,11 @@
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/result/used_limits.hpp>
-#include <accdec/plan/result/verify_delay_kinds.hpp>
-#include <accdec/plan/result/verify_path.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/verify/judge_program.hpp>
+#include <accdec/plan/verify/used_limits.hpp>
+#include <accdec/plan/verify/verify_delay_kinds.hpp>
+#include <accdec/plan/verify/verify_path.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 #include <accdec/simulate/arc_points.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>

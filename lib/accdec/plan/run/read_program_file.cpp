@@ -110,8 +110,10 @@ void say_what_acts(Toolpath& path, const ProgramTools& tools) {
   path.kept_words.insert(path.kept_words.begin(), remarks.begin(), remarks.end());
 }
 
-}  // namespace
-
+/// Largest distance in m of chords from their arcs so that planning them is like planning the arc. It is the sagitta a
+/// T^2/8 that the arc's fastest motion, v = sqrt(a R), passes in a sample, for any radius. Here a is the smallest
+/// acceleration limit of an axis. Longer chords turn the velocity in larger steps than the arc does from sample to
+/// sample, and the limits must leave room for that. It is at most 2 um, also without a limit, and at least 0.1 um.
 double chord_tolerance(const Task& task) {
   constexpr double least = 1e-7;
   double acceleration = unlimited;
@@ -119,6 +121,8 @@ double chord_tolerance(const Task& task) {
   if (!(acceleration < unlimited)) return longest_chords;
   return std::clamp(acceleration * task.sample_period * task.sample_period / 8.0, least, longest_chords);
 }
+
+}  // namespace
 
 ProgramFile read_program_file(const std::string& file, const Task& task, const ProgramFileOptions& options,
                               const std::function<void(const std::string&)>& tell) {

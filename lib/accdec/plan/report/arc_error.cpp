@@ -1,4 +1,4 @@
-#include <accdec/plan/result/arc_error.hpp>
+#include <accdec/plan/report/arc_error.hpp>
 #include <accdec/simulate/arc_points.hpp>
 
 namespace accdec {
