@@ -77,6 +77,16 @@ TEST_F(FreeCommand, KeepsTheBestMotionAfterAnInterruption) {
   EXPECT_EQ(run("verify r.json"), 0) << read("out");
 }
 
+TEST_F(FreeCommand, SaysNothingOfCornersOfALegAlone) {
+  write("leg.ngc", "F6000 G61.1\nG1 X30\nM2\n");
+  for (const char* plan : {"free", "fixed"}) {
+    ASSERT_EQ(run(std::string("program leg.ngc --task task.toml --plan ") + plan), 0) << read("err");
+    EXPECT_THAT(read("out"), HasSubstr("no corner grants a tolerance"));
+    EXPECT_THAT(read("out"), testing::Not(HasSubstr("line 0")));
+    EXPECT_THAT(read("out"), testing::Not(HasSubstr("0 of 0")));
+  }
+}
+
 TEST_F(FreeCommand, RefusesWhatBelongsToOneFilter) {
   for (const char* option : {"--emit x.ngc", "--delays x.csv", "--feeds keep"}) {
     EXPECT_EQ(run(std::string("program program.ngc --task task.toml --plan free ") + option), 2) << option;
@@ -96,9 +106,9 @@ TEST_F(FreeCommand, RefusesKeysWhereTheyStand) {
        "keeps no vibration bound: `residual_max` of [[mode]]", "use --plan profiles or fixed"},
       {fast + "[program]\ncontour_max_um = 9\n", "6:1", "does not consider `contour_max_um` of [program]",
        "use --plan fixed"},
-      {fast + "servo_gain_1_s = 100\n", "5:1", "does not consider the servo of an axis", "leave it out"},
+      {fast + "servo_gain_1_s = 100\n", "5:1", "does not consider the servo of an axis", "use --plan fixed"},
       {fast + "[controller]\nprefilter_taps = [0.5, 0.5]\n", "6:1", "does not consider the control's prefilter_taps",
-       "leave it out"},
+       "use --plan fixed"},
       {fast + "[design]\nfamily = [\"averages\"]\n", "6:1", "the task's control has one filter", "use --plan fixed"},
       {fast + "[controller]\nname = \"sinumerik-840d\"\n", "5:2", "the task's control has one filter",
        "use --plan fixed"},

@@ -90,11 +90,12 @@ Stops stops(const Machine& machine, unsigned seed, double longest) {
 }
 
 /// @param told  what was said on the way
-ProgramResult free_plan(const std::string& program, const Task& task, std::string& told) {
+ProgramResult free_plan(const std::string& program, const Task& task, std::string& told,
+                        const ProgramFileOptions& options = {}) {
   ProgramFile file;
   file.path = test::path_of(program, task.machine);
   file.name = "test";
-  return run_free_plan(file, task, {}, [&](const std::string& line) { told += line + "\n"; });
+  return run_free_plan(file, task, options, [&](const std::string& line) { told += line + "\n"; });
 }
 
 // Ends of legs lie at whole samples, so each takes less than one more than its optimum.
@@ -126,6 +127,24 @@ TEST(StraightRuns, AreTheOptimumWithoutJerkLimit) {
   std::string told;
   const ProgramResult result = free_plan(legs.program, task, told);
   EXPECT_TRUE(result.verification.feasible) << result.message;
+  EXPECT_LE(result.cycle_time, legs.time * (1.0 + 1e-6) + legs.legs * T) << told << legs.program;
+}
+
+// If the time ends before plan profiles holds, the legs follow the samples of one filter.
+TEST(StraightRuns, AreTakenWhenTheTimeIsOver) {
+  Task task;
+  task.sample_period = T;
+  task.machine = test::machine_of(1.0, 50.0, 0.2, 3);
+  FilterSpec filter;
+  filter.kind = Shape::trapezoid, filter.order = 100, filter.ramp = 20;
+  task.filter = filter;
+  ProgramFileOptions options;
+  options.deadline = Deadline(1e-9);
+  const Stops legs = stops(task.machine, 5, 40.0);
+  std::string told;
+  const ProgramResult result = free_plan(legs.program, task, told, options);
+  EXPECT_TRUE(result.verification.feasible) << result.message;
+  EXPECT_THAT(verify_program_result(result, task).reasons, testing::IsEmpty());
   EXPECT_LE(result.cycle_time, legs.time * (1.0 + 1e-6) + legs.legs * T) << told << legs.program;
 }
 

@@ -278,7 +278,7 @@ TEST_F(LoadsCommand, OtherPlansRefuseThemByName) {
       EXPECT_EQ(run(std::string("program part.ngc --task load.toml --plan ") + plan).code, 2) << key;
       const std::string line = std::string(key) == "force_speed_N" ? "11" : "12";
       EXPECT_THAT(read("err"), HasSubstr("load.toml:" + line + ":1: plan " + plan + " does not consider `" + key +
-                                         "`; leave it out"));
+                                         "`; leave it out, or use --plan fixed"));
     }
   }
 }

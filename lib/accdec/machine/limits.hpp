@@ -10,6 +10,7 @@
 
 #include <accdec/files/units.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/force_speed.hpp>
 
 namespace accdec {
@@ -175,7 +176,7 @@ bool has_dry_friction(const Machine& machine);
 bool has_force_curve(const Machine& machine);
 /// @throws std::invalid_argument if the machine has dry friction, a limited supply, a force-speed curve or a mode of an
 /// axis, which `what` does not consider
-void require_no_shared_loads(const Machine& machine, const char* what);
+void require_no_shared_loads(const Machine& machine, const char* what, std::string_view instead = considered_by);
 /// @throws std::invalid_argument if the machine has a mode of an axis, which `what` does not consider
 void require_no_modes_of_axes(const Machine& machine, const char* what);
 

@@ -155,17 +155,17 @@ void give_slowest_servo(Machine& machine, double period) {
   }
 }
 
-void require_no_servo(const Machine& machine, const char* what) {
+void require_no_servo(const Machine& machine, const char* what, std::string_view instead) {
   if (!has_servo(machine)) return;
   throw RefusedKey(
-      fmt::format("{} does not consider the servo of an axis (servo_gain_1_s, response_taps); {}", what, considered_by),
+      fmt::format("{} does not consider the servo of an axis (servo_gain_1_s, response_taps); {}", what, instead),
       {"servo_gain_1_s", "response_taps"});
 }
 
-void require_no_response(const Machine& machine, const char* what) {
-  require_no_servo(machine, what);
+void require_no_response(const Machine& machine, const char* what, std::string_view instead) {
+  require_no_servo(machine, what, instead);
   if (machine.prefilter_taps.empty()) return;
-  throw RefusedKey(fmt::format("{} does not consider the control's prefilter_taps; {}", what, considered_by),
+  throw RefusedKey(fmt::format("{} does not consider the control's prefilter_taps; {}", what, instead),
                    {"prefilter_taps"});
 }
 

@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
+#include <accdec/machine/considered_by.hpp>
 
 namespace accdec {
 
@@ -110,8 +112,8 @@ Axis averaging(Axis axis);
 /// Gives all axes the servo of the one that lags most.
 void give_slowest_servo(Machine& machine, double period);
 /// @throws std::invalid_argument if an axis has a servo, which `what` does not consider
-void require_no_servo(const Machine& machine, const char* what);
+void require_no_servo(const Machine& machine, const char* what, std::string_view instead = considered_by);
 /// The same for the control's own smoothing, too.
-void require_no_response(const Machine& machine, const char* what);
+void require_no_response(const Machine& machine, const char* what, std::string_view instead = considered_by);
 
 }  // namespace accdec

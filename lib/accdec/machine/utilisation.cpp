@@ -104,7 +104,7 @@ bool has_force_curve(const Machine& machine) {
                      [](const Axis& axis) { return axis.force_speed_max < unlimited; });
 }
 
-void require_no_shared_loads(const Machine& machine, const char* what) {
+void require_no_shared_loads(const Machine& machine, const char* what, std::string_view instead) {
   const char* key = machine.power_total_max < unlimited          ? "power_total_max_W"
                     : machine.regeneration_total_max < unlimited ? "regeneration_total_max_W"
                     : has_dry_friction(machine)                  ? "coulomb_N"
@@ -112,7 +112,7 @@ void require_no_shared_loads(const Machine& machine, const char* what) {
                     : has_mode_of_axis(machine)                  ? "residual_max_um"
                                                                  : nullptr;
   if (key == nullptr) return;
-  throw RefusedKey(fmt::format("{} does not consider `{}`; {}", what, key, considered_by), {key});
+  throw RefusedKey(fmt::format("{} does not consider `{}`; {}", what, key, instead), {key});
 }
 
 void require_no_modes_of_axes(const Machine& machine, const char* what) {

@@ -77,35 +77,33 @@ LineLimits limits_along(const FreePath& free, const double* direction, double fe
 
 }  // namespace
 
-std::optional<AlongRun> straight_run(const FreePath& free, std::size_t first, std::size_t last) {
+std::optional<StraightLeg> straight_leg(const FreePath& free, std::size_t first, std::size_t last) {
+  StraightLeg leg;
+  for (std::size_t b = first; b <= last; ++b) {
+    if (b < last && free.path.joint[b] != Joint::straight) return {};
+    leg.feed = std::min(leg.feed, free.feed[b]);
+  }
+  const double* const from = free.path.point(first);
+  const double* const to = free.path.point(last + 1);
+  for (std::size_t a = 0; a < free.dimensions(); ++a)
+    leg.length = std::hypot(leg.length, leg.direction[a] = to[a] - from[a]);
+  if (!(leg.length > least_length)) return {};
+  for (double& part : leg.direction) part /= leg.length;
+  return leg;
+}
+
+AlongRun on_line(const FreePath& free, std::size_t first, std::size_t last, const std::vector<double>& done) {
   const std::size_t n = free.dimensions();
   const double* const from = free.path.point(first);
   const double* const to = free.path.point(last + 1);
-  double feed = unlimited, length = 0.0;
-  for (std::size_t b = first; b <= last; ++b) {
-    if (b < last && free.path.joint[b] != Joint::straight) return {};
-    feed = std::min(feed, free.feed[b]);
-  }
-  std::array<double, program_axis_count> direction{};
-  for (std::size_t a = 0; a < n; ++a) length = std::hypot(length, direction[a] = to[a] - from[a]);
-  if (!(length > least_length)) return {};
-  for (double& part : direction) part /= length;
-  const LineLimits limits = limits_along(free, direction.data(), feed);
-  if (!(limits.speed > 0.0) || !(limits.speed < unlimited) || !(limits.acceleration > 0.0) ||
-      !(limits.acceleration < unlimited))
-    return {};
-  const RestToRest motion(length, limits);
-  const double count = std::max(1.0, std::ceil(motion.time() / free.period - 1e-9));
-  if (!(count < longest_run)) return {};
   AlongRun run;
-  std::vector<double> done{0.0};  // part of the way, of every sample
-  for (double k = 1.0; k <= count; ++k) {
-    const bool late = 2.0 * k > count;
-    const double part = motion.way((late ? count - k : k) / count * motion.time()) / length;
+  for (std::size_t i = 1; i < done.size(); ++i) {
     for (std::size_t a = 0; a < n; ++a)
-      run.position.push_back(late ? to[a] - part * (to[a] - from[a]) : from[a] + part * (to[a] - from[a]));
-    done.push_back(late ? 1.0 - part : part);
+      run.position.push_back(done[i] < 0.5 ? from[a] + done[i] * (to[a] - from[a])
+                                           : to[a] - (1.0 - done[i]) * (to[a] - from[a]));
   }
+  double length = 0.0;
+  for (std::size_t a = 0; a < n; ++a) length = std::hypot(length, to[a] - from[a]);
   std::size_t k = 0;
   for (std::size_t b = first; b < last; ++b) {
     double way = 0.0;
@@ -115,6 +113,25 @@ std::optional<AlongRun> straight_run(const FreePath& free, std::size_t first, st
     run.passes.push_back(static_cast<double>(k) + std::clamp((way / length - done[k]) / step, 0.0, 1.0));
   }
   return run;
+}
+
+std::optional<AlongRun> straight_run(const FreePath& free, std::size_t first, std::size_t last) {
+  const std::optional<StraightLeg> leg = straight_leg(free, first, last);
+  if (!leg) return {};
+  const LineLimits limits = limits_along(free, leg->direction.data(), leg->feed);
+  if (!(limits.speed > 0.0) || !(limits.speed < unlimited) || !(limits.acceleration > 0.0) ||
+      !(limits.acceleration < unlimited))
+    return {};
+  const RestToRest motion(leg->length, limits);
+  const double count = std::max(1.0, std::ceil(motion.time() / free.period - 1e-9));
+  if (!(count < longest_run)) return {};
+  std::vector<double> done{0.0};  // part of the way, of every sample
+  for (double k = 1.0; k <= count; ++k) {
+    const bool late = 2.0 * k > count;
+    const double part = motion.way((late ? count - k : k) / count * motion.time()) / leg->length;
+    done.push_back(late ? 1.0 - part : part);
+  }
+  return on_line(free, first, last, done);
 }
 
 }  // namespace accdec

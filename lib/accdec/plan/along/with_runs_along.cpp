@@ -1,18 +1,16 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <utility>
 #include <vector>
 
 #include <accdec/plan/along/along_run.hpp>
+#include <accdec/plan/along/stop_runs.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr double near_rest = 1e-9, at_rest = 1e-12;  // m
-constexpr double rounding = 1e-14;                   // m, of a position at rest
 constexpr std::size_t never = std::size_t{1} << 60;  // samples
 
 /// Makes a motion along blocks first .. last; one of `most` samples or more is of no use.
@@ -22,64 +20,32 @@ using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::si
 class Joining {
  public:
   Joining(const FreePath& free, const FreeSamples& motion, MakeRun make)
-      : free_(free), motion_(motion), make_(std::move(make)), n_(free.dimensions()) {
+      : free_(free),
+        motion_(motion),
+        make_(std::move(make)),
+        n_(free.dimensions()),
+        last_move_(last_move(free, motion)) {
     result_.position.assign(motion.position.begin(), motion.position.begin() + static_cast<std::ptrdiff_t>(n_));
   }
 
   FreeSamples run() {
-    std::size_t first = 0;
-    for (std::size_t b = 0; b < free_.path.blocks(); ++b) {
-      const std::size_t end = stop_at(b);
-      if (end == 0) continue;
-      add(first, b, end);
-      first = b + 1;
-    }
+    for (const StopRun& run : stop_runs(free_, motion_))
+      runs_.push_back({run, make_(run.first, run.last, run.end - run.begin - run.rest)});
     choose();
     for (std::size_t i = 0; i < runs_.size(); ++i) take(i);
+    if (!runs_.empty() && runs_.back().chosen)
+      rest(motion_.count(n_) - 1 - last_move_, free_.path.blocks());
+    else
+      copy(last_move_, motion_.count(n_) - 1);
     return std::move(result_);
   }
 
  private:
-  /// Blocks first .. last from rest to rest: samples begin .. end of the motion, or a run along the path.
-  struct Run {
-    std::size_t first, last, begin, end;
-    std::size_t rest = 0, still = 0;  // samples before the first move: of dwells, and of the motion
+  struct Run : StopRun {
     std::optional<AlongRun> along{};
     bool chosen = false;  // the run along the path
   };
 
-  /// m, of a sample from a point.
-  double distance(std::size_t sample, std::size_t point) const {
-    double sum = 0.0;
-    for (std::size_t a = 0; a < n_; ++a)
-      sum = std::hypot(sum, motion_.position[sample * n_ + a] - free_.path.point(point)[a]);
-    return sum;
-  }
-  /// The sample at which the motion rests at the end of a block; 0: it does not. Behind a last filter it comes to rest
-  /// slowly.
-  std::size_t stop_at(std::size_t b) const {
-    const std::size_t last = motion_.count(n_) - 1;
-    if (b + 1 == free_.path.blocks()) return last;
-    const bool exact = free_.path.joint[b] != Joint::straight && free_.path.tolerance[b] < least_tolerance;
-    if (free_.path.joint[b] != Joint::stop && !exact) return 0;
-    std::size_t best = 0;
-    double least = at_rest;
-    for (auto k = static_cast<std::size_t>(std::ceil(motion_.passes[b] - 1e-6));
-         k < last && distance(k, b + 1) <= near_rest; ++k) {
-      if (distance(k, b + 1) > least - rounding) continue;
-      least = distance(k, b + 1);
-      best = k;
-    }
-    return best;
-  }
-  /// At whose end the motion rests at sample `end`.
-  void add(std::size_t first, std::size_t last, std::size_t end) {
-    Run run{first, last, runs_.empty() ? 0 : runs_.back().end, end};
-    while (run.begin + run.still + 1 < end && distance(run.begin + run.still + 1, first) <= at_rest) ++run.still;
-    run.rest = std::min(rests(run.begin, end, first), end - run.begin);
-    run.along = make_(first, last, end - run.begin - run.rest);
-    runs_.push_back(std::move(run));
-  }
   std::size_t samples(const Run& run, bool along) const {
     if (!along) return run.end - run.begin;
     return run.along ? run.rest + run.along->position.size() / n_ : never;
@@ -118,6 +84,12 @@ class Joining {
     for (std::size_t i = 0; i < count; ++i)
       result_.position.insert(result_.position.end(), free_.path.point(point), free_.path.point(point) + n_);
   }
+  /// Samples of the motion after `begin`, up to `end`.
+  void copy(std::size_t begin, std::size_t end) {
+    result_.position.insert(result_.position.end(),
+                            motion_.position.begin() + static_cast<std::ptrdiff_t>((begin + 1) * n_),
+                            motion_.position.begin() + static_cast<std::ptrdiff_t>((end + 1) * n_));
+  }
   void take(std::size_t i) {
     const Run& run = runs_[i];
     if (i > 0 && runs_[i - 1].chosen != run.chosen) rest(between(run, run.chosen), run.first);
@@ -127,30 +99,18 @@ class Joining {
       result_.position.insert(result_.position.end(), run.along->position.begin(), run.along->position.end());
       for (const double pass : run.along->passes) result_.passes.push_back(now + pass);
     } else {
-      result_.position.insert(result_.position.end(),
-                              motion_.position.begin() + static_cast<std::ptrdiff_t>((run.begin + 1) * n_),
-                              motion_.position.begin() + static_cast<std::ptrdiff_t>((run.end + 1) * n_));
+      copy(run.begin, run.end);
       for (std::size_t b = run.first; b < run.last; ++b)
         result_.passes.push_back(motion_.passes[b] - static_cast<double>(run.begin) + now);
     }
     if (run.last + 1 < free_.path.blocks()) result_.passes.push_back(static_cast<double>(result_.count(n_) - 1));
-  }
-  /// Samples to rest for before the first block of a run.
-  std::size_t rests(std::size_t begin, std::size_t end, std::size_t first) const {
-    if (first == 0) {
-      std::size_t k = begin;
-      while (k + 1 < end && distance(k + 1, 0) <= at_rest) ++k;
-      return free_.path.dwell_first > 0.0 ? k - begin : 0;
-    }
-    double time = 0.0;
-    for (const auto& [block, dwell] : free_.path.dwells_at(first - 1)) time += dwell;
-    return static_cast<std::size_t>(std::ceil(time / free_.period - 1e-9));
   }
 
   const FreePath& free_;
   const FreeSamples& motion_;
   const MakeRun make_;
   const std::size_t n_;
+  const std::size_t last_move_;  // sample that ends it; a dwell may follow
   std::vector<Run> runs_;
   FreeSamples result_;
 };

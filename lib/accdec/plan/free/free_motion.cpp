@@ -18,8 +18,8 @@ constexpr std::size_t part_samples = 1500;
 class Parts {
  public:
   Parts(const FreePath& free, const FreeSamples& motion, bool shifted) : free_(free), motion_(motion) {
-    const std::size_t n = free.dimensions(), last = motion.count(n) - 1;
-    // A dwell before the first move is no part of it.
+    // Dwells before the first move and after the last one are no part of it.
+    const std::size_t n = free.dimensions(), last = motion.count(n) - 1 - free.rests_at(free.path.blocks() - 1);
     std::size_t begin = 1 + static_cast<std::size_t>(whole_samples(free.path.dwell_first / free.period));
     std::size_t first_joint = 0;
     for (std::size_t j = 0; j < free.path.blocks(); ++j) {

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include <accdec/plan/free/free_path.hpp>
+#include <accdec/simulate/command_stream.hpp>
 #include <accdec/simulate/tube_check.hpp>
 
 namespace accdec {
@@ -14,6 +15,12 @@ FreePath::FreePath(const Toolpath& toolpath, const Machine& limits, double sampl
       feed(feed_limits(toolpath)),
       jerk(std::any_of(limits.axes.begin(), limits.axes.end(),
                        [](const Axis& axis) { return axis.jerk_max < unlimited; })) {}
+
+std::size_t FreePath::rests_at(std::size_t block) const {
+  double time = 0.0;
+  for (const auto& [b, dwell] : path.dwells_at(block)) time += dwell;
+  return static_cast<std::size_t>(whole_samples(time / period));
+}
 
 std::vector<std::size_t> legs_of(const Toolpath& path, const FreeSamples& motion) {
   std::vector<std::size_t> legs(motion.count(path.dimensions()));

@@ -22,6 +22,8 @@ struct FreePath {
   std::size_t dimensions() const { return path.dimensions(); }
   /// Samples on either side of a part that its limits see.
   std::size_t border() const { return jerk ? 3 : 2; }
+  /// Samples of rest for the dwells at the end of a block.
+  std::size_t rests_at(std::size_t block) const;
 };
 
 /// A motion, sample by sample; the first sample is at rest in the first point, the last at rest in the last.

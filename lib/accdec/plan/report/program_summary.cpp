@@ -75,7 +75,8 @@ class SummaryText {
     };
     row("cycle time", result_.cycle_time);
     for (const PlanTime& other : result_.candidates) {
-      if (other.time > 0.0)
+      // That of a plan which does not hold is no comparison.
+      if (other.time > 0.0 && other.verified)
         row(describe(other), other.time);
       else
         put("  {}\n", describe(other));
@@ -107,8 +108,11 @@ class SummaryText {
   }
 
   void corners() {
-    put("\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
-        result_.worst_error * 1e6, 100.0 * result_.worst_utilisation, result_.worst_line);
+    if (result_.worst_line == 0)
+      put("\n  no corner grants a tolerance\n");
+    else
+      put("\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
+          result_.worst_error * 1e6, 100.0 * result_.worst_utilisation, result_.worst_line);
     const std::vector<CornerUse> worst = worst_corners(result_, result_.worst_shown);
     if (const auto& servo = result_.servo) {
       put("  errors are those behind the servo; {:.4g} s after the command, the motion is within {:.4g} um of its "

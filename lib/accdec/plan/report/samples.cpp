@@ -97,6 +97,7 @@ std::string describe(const PlanTime& plan) {
 }
 
 std::string describe(const CornerBound& bound) {
+  if (bound.corners == 0) return "no corner grants a tolerance";
   return fmt::format("{} of {} corners have legs long enough to count, {} linear programs{}", bound.counted,
                      bound.corners, bound.classes, bound.complete ? "" : ", not all of them solved");
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/refused_key.hpp>
+#include <accdec/machine/considered_by.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
@@ -19,8 +20,8 @@ namespace {
 }  // namespace
 
 void require_positions(const Task& task, const Toolpath& path, const char* plan) {
-  require_no_response(task.machine, plan);
-  require_no_shared_loads(task.machine, plan);
+  require_no_response(task.machine, plan, considered_by_fixed);
+  require_no_shared_loads(task.machine, plan, considered_by_fixed);
   if (path.contour_max < unlimited)
     throw RefusedKey(
         fmt::format("{} does not consider `contour_max_um` of [program]; leave it out, or use --plan fixed", plan),
