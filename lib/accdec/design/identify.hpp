@@ -34,6 +34,7 @@ struct Identification {
   FittedFilter taps;               ///< any taps, as good as the log shows them
   double noise = 0.0;              ///< m, standard deviation, as given or found; mean of the axes that move, as below
   double log_noise = 0.0;          ///< m, as the log shows it at rest and at constant speed
+  double rounding = 0.0;           ///< m, of the positions as they are written, part of both; 0: the log is exact
   std::vector<LoggedMove> moves;   ///< one, or both legs of a corner; of the first fit
   std::vector<std::vector<double>> modelled;  ///< m, by axis and sample, of the first fit
 };
@@ -53,8 +54,9 @@ struct IdentifyOptions {
 /// that a family has more must explain more. Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit
 /// too many families. Taps are the answer if they fit better than chance explains. They are also if the best family
 /// leaves far more than the noise, as the log shows it at rest and at constant speed. Two poles that differ mostly end
-/// so. An axis counts by its noise, as the log shows it; one that rests does not count. The task's `prefilter_taps`
-/// stand behind every filter: what is found is the filter in front of them.
+/// so. Positions that are all multiples of 1, 2 or 5 times a power of ten are rounded: step / sqrt(12) is the least
+/// noise then, unless a family fits exactly. An axis counts by its noise, as the log shows it; one that rests does not
+/// count. The task's `prefilter_taps` stand behind every filter: what is found is the filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine
