@@ -170,8 +170,10 @@ std::string proved_best_in_words(const ControllerSettings& settings) {
 }
 
 std::string width_in_words(const WidthInterval& width) {
-  constexpr double smallest = 1e-9;  // m: below any encoder's step
-  const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead" : "";
+  constexpr double smallest = 1e-9, small = 1e-6;  // m: the steps of encoders and of most controls' parameters
+  const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead"
+                           : width.high < small  ? ": few controls hold a width below 0.001 mm, stop exactly instead"
+                                                 : "";
   // Both ends are rounded inwards: every width that is printed may be entered. A narrow interval needs more digits.
   int digits = 4;
   while (digits < 15 && width.high - width.low < 20.0 * std::pow(10.0, -digits) * width.high) ++digits;
