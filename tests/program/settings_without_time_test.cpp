@@ -36,8 +36,8 @@ Toolpath star(const Task& task) {
   return path;
 }
 
-/// The setting with which a start and a stop at the highest feed keep to their limits holds at every corner. At 100 mm/s
-/// that is v/a = 16.7 ms and a/j = 12 ms.
+/// The setting with which a start and a stop at the highest feed keep to their limits holds at every corner. At 100
+/// mm/s that is v/a = 16.7 ms and a/j = 12 ms.
 TEST(SettingsWithoutTime, AControlOfCornerFeedsGetsOneThatHolds) {
   const Task task = star_task({DelayKind::corner_feed});
   const Toolpath path = star(task);
