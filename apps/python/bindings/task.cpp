@@ -193,7 +193,8 @@ controller : dict, optional
     a program says for each of them;
     in_position_of ("command" or "actual"), in_position_by ("path" or "axis") and in_position_latency (s): how it sees
     that it is in-position;
-    corner_feed_step: corners are passed at multiples of this fraction of both feeds;
+    corner_feed_step: corners are passed at multiples of this fraction of both feeds, which last until the motion has
+    settled;
     prefilter_taps: its own smoothing of every axis; position_unit_um: positions are whole numbers of it.
 
 Raises

@@ -42,6 +42,24 @@ bool ends_in_stop(const ProgramResult& result, std::size_t b) {
   return result.plan.path.joint[b] == Joint::stop || kind_of(result, b) == DelayKind::exact_stop;
 }
 
+/// Samples of G4 behind a joint that is no stop of the program.
+int dwell(const ProgramResult& result, std::size_t b) {
+  const Toolpath& path = result.plan.path;
+  if (b + 1 == path.blocks() || path.joint[b] == Joint::stop) return 0;
+  const DelayKind kind = kind_of(result, b);
+  if (kind == DelayKind::in_position) return 0;
+  const int stop = kind == DelayKind::exact_stop ? exact_stop_of(result.plan.filter()) : 0;
+  return std::max(0, result.plan.delay(b) - stop);
+}
+
+/// Whether any G4 holds the command back without an exact stop.
+bool dwells(const ProgramResult& result) {
+  for (std::size_t b = 0; b < result.plan.path.blocks(); ++b) {
+    if (kind_of(result, b) != DelayKind::exact_stop && dwell(result, b) > 0) return true;
+  }
+  return false;
+}
+
 /// Writes a plan block by block.
 class Emission {
  public:
@@ -98,7 +116,7 @@ class Emission {
     }
     if (timed_.used())
       lines_.append(timed_.remark());
-    else
+    else if (dwells(result_))
       line(
           "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
           "rest)");
@@ -296,10 +314,8 @@ class Emission {
       return;
     }
     if (!last && path_.joint[b] == Joint::stop && !result_.plan.command()->moved.empty()) return servo_rest(b);
-    if (last || path_.joint[b] == Joint::stop || kind_of(result_, b) == DelayKind::in_position) return;
-    int delay = result_.plan.delay(b);
-    if (kind_of(result_, b) == DelayKind::exact_stop) delay -= exact_stop_of(result_.plan.filter());
-    if (delay > 0) line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
+    if (const int delay = dwell(result_, b); delay > 0)
+      line("G4 P{}", plain_number(static_cast<double>(delay) * result_.sample_period, 9));
   }
 
   /// The wait of a stop for the servo, beyond the rest of the command.

@@ -15,6 +15,12 @@ ControlDelays control_of(const ControllerSettings& settings, double width) {
   return control;
 }
 
+ControlDelays planned_control(const ControllerSettings& settings, double width) {
+  ControlDelays control = control_of(settings, width);
+  if (!(width > 0.0) && control.kinds.size() > 1) std::erase(control.kinds, DelayKind::in_position);
+  return control;
+}
+
 bool runs_on(const ControlDelays& control) {
   return !control.any() && !control.names(DelayKind::exact_stop) && !control.names(DelayKind::in_position);
 }

@@ -79,7 +79,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
 
 /// The delays that the task's control has.
 void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
-  if (task.settings) path.control = control_of(*task.settings, choice.settings ? choice.settings->width : 0.0);
+  if (task.settings) path.control = planned_control(*task.settings, choice.settings ? choice.settings->width : 0.0);
 }
 
 /// The time at the programmed feeds, and those of other rules for delays at these feeds.
@@ -167,8 +167,8 @@ void say_today(ProgramResult& result, const Toolpath& programmed, const Task& ta
   const Filter filter = make_filter(*today);
   const Deadline until = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
   Toolpath path = programmed;
-  path.control = control_of(*task.settings,
-                            width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
+  path.control = planned_control(
+      *task.settings, width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
   const ProgramResult plan =
       run_program({result.program, std::move(path), task, options.fixed.feeds, options.deadline}, filter);
   // A plan that was cut short says little of the setting.

@@ -9,6 +9,7 @@
 #include <accdec/bounds/filter_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/files.hpp>
+#include <accdec/files/refused_key.hpp>
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -306,8 +307,9 @@ ProgramResult before_planning(const PlanningProblem& problem) {
 void require_considered(const Task& task, const Machine& machine, bool filter_bound) {
   if (!has_servo(machine)) return;
   if (task.settings && task.settings->in_position_actual)
-    throw std::invalid_argument(
-        "a program does not consider [controller] in_position_of = \"actual\" behind a servo; write \"command\"");
+    throw RefusedKey(
+        "a program does not consider [controller] `in_position_of` = \"actual\" behind a servo; write \"command\"",
+        {"in_position_of", "name", "file"});
   if (filter_bound)
     throw std::invalid_argument("--filter-bound is for motions without a servo (servo_gain_1_s, response_taps)");
 }
@@ -329,7 +331,8 @@ ProgramResult run_program(PlanningProblem problem, const Filter& filter, const K
   Toolpath& path = problem.path;
   const Feeds feeds = problem.feeds;
   if (task.settings && task.settings->in_position_latency > 0.0)
-    throw std::invalid_argument("a program does not consider [controller] in_position_latency_ms; leave it out");
+    throw RefusedKey("a program does not consider [controller] `in_position_latency_ms`; leave it out",
+                     {"in_position_latency_ms", "name", "file"});
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result = before_planning(problem);
   const Machine machine = program_machine(task.machine, path);
