@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/side_by_side.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
@@ -295,7 +296,7 @@ DesignResult evaluate_task(const Task& task) {
 }
 
 std::string describe(const LimitUse& use) {
-  std::string text(to_string(use.kind));
+  std::string text(limit_word(use.kind, use.axis));
   std::replace(text.begin(), text.end(), '_', ' ');
   if (!use.axis.empty()) text += " " + use.axis;
   text +=
