@@ -9,7 +9,7 @@
 
 namespace accdec::exact {
 
-/// Of a last tap that is left at zero. It ends the motion there, and no limit feels it.
+/// The share of a last tap that is left at zero. It ends the motion there, and no limit feels it.
 inline constexpr double end_share = 1e-13;
 
 /// The filter with a last tap that is not zero. Rows of damped modes count what is left at the order's end, and all
