@@ -211,6 +211,7 @@ std::vector<Key> axis_keys() {
                   .example = "260"});
   for (Key& key : servo_keys()) keys.push_back(std::move(key));
   for (Key& key : rotary_keys()) keys.push_back(std::move(key));
+  keys.push_back(torque_speed_of_files());
   return keys;
 }
 

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -121,7 +122,7 @@ class SummaryText {
       if (result_.plan.command()->moved.size() > 1)
         put("  axes have different servos: every sample is verified, nothing is proved of shorter plans\n");
       if (servo->stop_error > 0.0)
-        put("  at stops the control waits for the command: the motion leaves out up to {:.3f} um\n",
+        put("  at stops the control waits for the command: the motion leaves out up to {:.4g} um\n",
             servo->stop_error * 1e6);
     }
     if (worst.empty()) return;
@@ -165,12 +166,26 @@ class SummaryText {
 
   static bool broken(double utilisation) { return utilisation > 1.0 + verification_tolerance; }
 
+  /// Whether the program's path has axes that turn, and others.
+  std::pair<bool, bool> kinds_of_axes() const {
+    std::pair<bool, bool> kinds{false, false};
+    const Toolpath& path = result_.plan.path;
+    for (std::size_t a = 0; a < path.dimensions(); ++a)
+      (is_rotary(path.axis_name(a)) ? kinds.first : kinds.second) = true;
+    return kinds;
+  }
+
   void control() {
     put("\n  a control must {}\n", fmt::join(control_needs(result_), ", "));
     // Each of four positions in a third difference is rounded by half a unit, with weights 1, 3, 3 and 1.
-    if (const double unit = result_.task_machine.position_unit; unit > 0.0)
-      put("  positions are whole numbers of {:g} um; differences of them read up to {:.4g} mm/s^3 more jerk\n",
-          1e6 * unit, 4e3 * unit / std::pow(result_.sample_period, 3));
+    if (const double unit = result_.task_machine.position_unit; unit > 0.0) {
+      const auto [turning, moving] = kinds_of_axes();
+      const auto either = [&](std::string_view linear, std::string_view rotary) {
+        return fmt::format("{}{}{}", moving ? linear : "", moving && turning ? " or " : "", turning ? rotary : "");
+      };
+      put("  positions are whole numbers of {:g} {}; differences of them read up to {:.4g} {} more jerk\n", 1e6 * unit,
+          either("um", "mdeg"), 4e3 * unit / std::pow(result_.sample_period, 3), either("mm/s^3", "deg/s^3"));
+    }
     for (const FeedOverride& at : result_.overrides) {
       put("  {:<28}corner error {:.3f} um, {:.1f} % of its tolerance{}",
           fmt::format("feed override {:.0f} %", 100.0 * at.factor), at.worst_error * 1e6, 100.0 * at.worst_utilisation,
