@@ -7,7 +7,7 @@
 
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/simulate.hpp>
 

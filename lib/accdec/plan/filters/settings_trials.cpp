@@ -86,7 +86,7 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     const bool by_axis = task.settings && task.settings->in_position_by_axis;
     step_ = std::max(step_, step_of(path, b, task.sample_period, by_axis));
   }
-  for (std::size_t b = 0; b < path.blocks(); ++b) fastest_ = std::max(fastest_, length_of(path, b) / path.duration[b]);
+  for (std::size_t b = 0; b < path.blocks(); ++b) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
   moving_ = std::floor(time * (1.0 - snapped_part) / task.sample_period);
 }
 
