@@ -130,8 +130,8 @@ class Peaks {
   Peaks(const PowerSpectrum& spectrum, double seconds, const FindModesOptions& options)
       : spectrum_(spectrum), seconds_(seconds), cells_(seconds * (options.frequency_max - options.frequency_min)) {}
 
-  /// Whether the power within the peak's width is more than noise as loud as the flanks would have. Of all frequencies
-  /// and widths of a log of noise, one in a thousand logs has such a peak.
+  /// Whether the power within the peak's width is more than noise as loud as the flanks would have. The threshold
+  /// counts all frequencies and widths: about one log of white noise in 1000 has such a peak.
   bool stands_out(double frequency, double damping) const {
     const double half = std::max(frequency * damping, 1.5 / seconds_);
     const auto [in, counted] = mean(frequency - half, frequency + half);

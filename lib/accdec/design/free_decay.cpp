@@ -13,16 +13,16 @@
 namespace accdec {
 namespace {
 
-constexpr double rises = 2.5;          // energy of a period behind a jolt, over that before it
-constexpr double loud = 0.02;          // of the largest energy of a period: quieter jolts are not used
-constexpr double explained = 0.5;      // of the energy of the stretches, where only noise is left
-constexpr double all_but_all = 0.98;   // the same, where something else is left
-constexpr double used_least = 0.5;        // of the energy of the signal
-constexpr double least_fitted = 0.2;   // of the energy of the signal, where not all stretches are fitted
-constexpr double first_half = 0.6;     // of the energy of stretches that die away
-constexpr double least_part = 2e-4;    // of the energy of the stretches
-constexpr double by_chance = 1e-3;   // of an axis of a log of noise
-constexpr double still_rings = 0.05;   // of the energy behind the last jolt
+constexpr double rises = 2.5;         // energy of a period behind a jolt, over that before it
+constexpr double loud = 0.02;         // of the largest energy of a period: quieter jolts are not used
+constexpr double explained = 0.5;     // of the energy of the stretches, where only noise is left
+constexpr double all_but_all = 0.98;  // the same, where something else is left
+constexpr double used_least = 0.5;    // of the energy of the signal
+constexpr double least_fitted = 0.2;  // of the energy of the signal, where not all stretches are fitted
+constexpr double first_half = 0.6;    // of the energy of stretches that die away
+constexpr double least_part = 2e-4;   // of the energy of the stretches
+constexpr double by_chance = 1e-3;    // of an axis of a log of noise
+constexpr double still_rings = 0.05;  // of the energy behind the last jolt
 constexpr double damping_least = 1e-5;
 
 struct Decay {
@@ -103,7 +103,7 @@ class DecayFit {
     return parts;
   }
 
-  /// What the poles leave of the signal. @param parts  the energy of each pole's part, if asked for
+  /// The signal without the parts of the poles. @param parts  the energy of each pole's part, if asked for
   Eigen::VectorXd rest(const std::vector<Decay>& poles, std::vector<double>* parts = nullptr) const {
     Eigen::VectorXd all(static_cast<Eigen::Index>(samples_));
     if (parts) parts->assign(poles.size(), 0.0);
@@ -233,8 +233,8 @@ Fitted fitted(const DecayFit& fit, double period, const DecaySearch& search) {
   return {poles, false};
 }
 
-/// Leaves out the ends of stretches that are as quiet as the quietest parts of the signal, and the quietest stretches if
-/// there are more samples than are fitted in a second.
+/// Leaves out the ends of stretches that are as quiet as the quietest parts of the signal, and the quietest stretches
+/// if there are more samples than are fitted in a second.
 void shorten(std::vector<Stretch>& stretches, const std::vector<double>& values, std::size_t window) {
   constexpr std::size_t most = 16'000;
   const auto energy = [&](std::size_t from) {
