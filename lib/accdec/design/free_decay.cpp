@@ -233,8 +233,8 @@ Fitted fitted(const DecayFit& fit, double period, const DecaySearch& search) {
   return {poles, false};
 }
 
-/// Leaves out the ends of stretches that are as quiet as the quietest parts of the signal, and the quietest stretches
-/// if there are more samples than are fitted in a second.
+/// Leaves out the ends of stretches that are as quiet as the quietest parts of the signal. If there are more samples
+/// than are fitted in a second, the quietest stretches are left out, too.
 void shorten(std::vector<Stretch>& stretches, const std::vector<double>& values, std::size_t window) {
   constexpr std::size_t most = 16'000;
   const auto energy = [&](std::size_t from) {
