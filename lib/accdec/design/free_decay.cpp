@@ -298,7 +298,8 @@ FreeDecay free_decay(std::span<const double> signal, double period, const DecayS
     if (j + 1 < jolts.size() && energy(end - window) > still_rings * energy(begin)) ++result.overlaps;
   }
   result.jolts = static_cast<int>(jolts.size());
-  if (stretches.empty()) return result;
+  // Noise rises all the time, and each rise looks like a jolt.
+  if (stretches.empty() || (result.overlaps > 10 && 2 * result.overlaps > result.jolts)) return result;
   double within = 0.0;
   for (const Stretch& s : stretches) {
     for (std::size_t k = s.begin; k < s.end; ++k) within += values[k] * values[k];

@@ -220,7 +220,7 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   for (const FoundMode& mode : modes) {
     const Mode held = bounded(mode, residual);
     text += fmt::format(
-        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.2g} % of its acceleration (power), {}\n[[mode]]\n", mode.axis,
+        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.3g} % of its acceleration (power), {}\n[[mode]]\n", mode.axis,
         mode.frequency, mode.damping, 100.0 * mode.share,
         mode.compared > 0 ? fmt::format("within {:.1f} % over the log", 100.0 * mode.spread)
                           : fmt::format("no parts of the log to compare: widen the ranges by hand, {:.0f} % is assumed",
