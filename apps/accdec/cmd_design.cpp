@@ -29,7 +29,7 @@ namespace {
 
 struct DesignArguments {
   std::string task, json, method, solver;
-  double time_limit = 600.0;
+  std::optional<double> time_limit;  // s
   std::string gap = "0 %";
   std::uint64_t seed = 1;
   bool solver_given = false;
@@ -38,6 +38,13 @@ struct DesignArguments {
   double certificate_max = certificate_max_default;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 };
+
+/// Beyond the orders that a task allows by itself, a proof can take hours: the first answers come within 10 s.
+constexpr double patient_limit = 600.0, brief_limit = 9.0;  // s
+
+bool is_brief(const DesignArguments& arguments, const Task& task) {
+  return !arguments.time_limit && !arguments.baselines && task.design.order_max > DesignBounds{}.order_max;
+}
 
 /// Half of what is left is for the table of the task's period, the rest for that of a shorter one.
 study::BaselineTable full_table(const Task& task, const DesignResult& design, DesignOptions options, double left) {
@@ -127,7 +134,9 @@ void run(const DesignArguments& arguments, Context& context) {
   require_outputs({arguments.json}, {arguments.task});
   require_taps_to_design(arguments.task, task);
   DesignOptions options = asked_options(arguments, task, context.quiet);
-  options.time_limit = search_seconds(task, arguments.time_limit, seconds_since(began), context.quiet);
+  const bool brief = is_brief(arguments, task);
+  const double limit = arguments.time_limit.value_or(brief ? brief_limit : patient_limit);
+  options.time_limit = search_seconds(task, limit, seconds_since(began), context.quiet);
   // A third of it each for the design and the two tables.
   if (arguments.baselines) options.time_limit /= 3.0;
   const Interrupt interrupt;
@@ -137,6 +146,10 @@ void run(const DesignArguments& arguments, Context& context) {
     if (!context.quiet) told.progress = [&status](const std::string& line) { status.tell(line); };
     return design_task(task, told);
   }();
+  if (brief && result.stop == StopReason::time_limit) {
+    result.message += fmt::format(" ({:g} s, the limit of orders above {}; --time-limit gives more)", brief_limit,
+                                  DesignBounds{}.order_max);
+  }
 
   const bool shown = !context.quiet && arguments.json != "-";
   if (no_setting_holds(result)) {
@@ -146,7 +159,7 @@ void run(const DesignArguments& arguments, Context& context) {
     context.exit_code = exit_no_answer;
     return;
   }
-  const auto left = [&] { return arguments.time_limit - seconds_since(began); };
+  const auto left = [&] { return limit - seconds_since(began); };
   std::optional<study::BaselineTable> table;
   if (arguments.baselines) {
     table = full_table(task, result, options, left());
@@ -184,10 +197,10 @@ void add_design(CLI::App& app, Context& context) {
                       "Nonlinear solver to use (see `accdec solvers`); implies --method nlp");
   command
       ->add_option("--time-limit", arguments->time_limit,
-                   "Seconds for the whole command (default 600); then the best design so far is the answer. With "
-                   "--baselines the design gets a third of them, the tables the rest")
+                   "Seconds for the whole command (default 600; 9 if order_max is above 400); then the best design so "
+                   "far is the answer. With --baselines (default 600) the design gets a third of them, the tables the "
+                   "rest")
       ->type_name("SECONDS")
-      ->capture_default_str()
       ->check(positive_number());
   command
       ->add_option(

@@ -11,7 +11,7 @@
 #include <accdec/files/shown_text.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/plan/record/program_record.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/plot/html_result.hpp>
 #include <accdec/plot/plot_program.hpp>

@@ -17,11 +17,11 @@
 #include <accdec/formats/controller_file.hpp>
 #include <accdec/formats/key_place.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/emit/dialect_words.hpp>
+#include <accdec/plan/emit/emit.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/program_record.hpp>
-#include <accdec/plan/result/dialect_words.hpp>
-#include <accdec/plan/result/emit.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task.hpp>

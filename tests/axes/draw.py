@@ -48,20 +48,20 @@ def _response(rng):
 
 
 def turned(task):
-    """The same task on rotary axes a and b: inertia and torque instead of mass and force; None with a curve."""
+    """The same task on rotary axes a and b: inertia and torque instead of mass and force."""
     axes = [{"name": n, **a} for n, a in zip("xy", task["axis"] * 2)] if len(task["axis"]) == 1 else task["axis"]
     units = {"velocity_max_mm_s": ("velocity_max_deg_s", 1.0),
              "acceleration_max_mm_s2": ("acceleration_max_deg_s2", 1.0),
              "jerk_max_mm_s3": ("jerk_max_deg_s3", 1.0), "mass_kg": ("inertia_kg_m2", RADIANS**-2),
              "damping_N_s_m": ("damping_N_m_s", RADIANS**-2), "coulomb_N": ("coulomb_N_m", 1.0 / RADIANS),
              "force_max_N": ("torque_max_N_m", 1.0 / RADIANS), "force_rms_N": ("torque_rms_N_m", 1.0 / RADIANS)}
-    if any("force_speed_N" in axis for axis in axes):
-        return None
     other = {"x": "a", "y": "b"}
     turned_axes = []
     for axis in axes:
         said = {units[k][0]: v * units[k][1] for k, v in axis.items() if k in units}
-        rest = {k: v for k, v in axis.items() if k not in units and k != "name"}
+        rest = {k: v for k, v in axis.items() if k not in units and k not in ("name", "force_speed_N")}
+        if "force_speed_N" in axis:
+            rest["torque_speed_N_m"] = [[speed, force / RADIANS] for speed, force in axis["force_speed_N"]]
         turned_axes.append({"name": other[axis["name"]], **said, **rest})
     modes = [{**m, "axis": other[m["axis"]]} if "axis" in m else m for m in task.get("mode", [])]
     return {**task, "axis": turned_axes, **({"mode": modes} if modes else {})}

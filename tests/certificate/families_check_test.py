@@ -125,6 +125,7 @@ class EveryKind(unittest.TestCase):
                 result = json.loads(design(path))
                 accepted, words = verdict(result)
                 self.assertIs(accepted, True, words)
+                self.assertEqual("until the motion has settled" in words, name == "corner feeds")
                 self.assertEqual(result["status"], "optimal")
                 result["task"]["corner"][0]["error_max_um"] = 150
                 for axis in result["task"]["axis"]:

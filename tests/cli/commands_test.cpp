@@ -79,10 +79,6 @@ TEST(Cli, VerifyRejectsForgedProofs) {
   }
 }
 
-TEST(Cli, HelpStatesTheTimeLimitOfADesign) {
-  EXPECT_THAT(run({"design", "--help"}).out, HasSubstr("(default 600)"));
-}
-
 // A delay of a million samples makes the simulation of two axes walk two millions.
 TEST(Cli, WhatWouldTakeTooLongToVerifyIsNotBegun) {
   const TemporaryFolder folder;

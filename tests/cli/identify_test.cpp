@@ -94,6 +94,20 @@ TEST(CliIdentify, UnitsOfTheColumnsCount) {
   EXPECT_THAT(done.out, HasSubstr("6000 mm/min"));
 }
 
+/// Whole um: rounding is noise of 1 um / sqrt(12) = 0.2887 um.
+TEST(CliIdentify, WholeMicrometresAreNotExact) {
+  Files files;
+  std::vector<std::string> rounded;
+  for (const std::string& row : move_behind({12, 9})) {
+    const std::size_t comma = row.find(',');
+    rounded.push_back(fmt::format("{},{:.3f}000", row.substr(0, comma), std::stod(row.substr(comma + 1))));
+  }
+  const std::string out = files.identify(table("t_ms,x_mm", rounded)).out;
+  EXPECT_THAT(out, HasSubstr("lengths = [12, 9]"));
+  EXPECT_THAT(out, HasSubstr("the positions are rounded, which is noise of 0.2887 um or more"));
+  EXPECT_THAT(files.identify(table("t_ms,x_mm", move_behind({12, 9}))).out, HasSubstr("lengths = [12, 9]"));
+}
+
 struct BadLog {
   const char* name;
   std::string text, position, message;

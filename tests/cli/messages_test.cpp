@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "support/malformed_tasks.hpp"
 #include "support/run.hpp"
@@ -129,6 +130,27 @@ TEST(Cli, OptimaWithoutGnuplotLeavesNothingBehind) {
   EXPECT_EQ(test_support::wait_for(test_support::start_shell(command, folder.path("out"), folder.path("err"))), 2);
   EXPECT_THAT(folder.read("err"), HasSubstr("gnuplot is not installed (Debian package gnuplot-nox)"));
   EXPECT_FALSE(std::filesystem::exists(folder.path("new")));
+}
+
+TEST(Cli, HelpStatesTheTimeLimitOfADesign) {
+  EXPECT_THAT(run({"design", "--help"}).out, HasSubstr("(default 600; 9 if order_max is above 400)"));
+}
+
+// Orders beyond 400 end early by themselves, with a verified design and the part that is not proved.
+TEST(Cli, LongFiltersEndEarlyAndSaySo) {
+  const TemporaryFolder folder;
+  folder.write("fine.toml",
+               "sample_period_ms = 0.025\n[design]\norder_max = 2000\n[[axis]]\nacceleration_max_mm_s2 = 6000\n"
+               "jerk_max_mm_s3 = 500000\n[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n");
+  const std::string path = folder.path("r.json");
+  ASSERT_EQ(run({"design", folder.path("fine.toml"), "--json", path, "-q", "--no-certificate"}).code, 0);
+  const auto result = nlohmann::json::parse(folder.read("r.json"));
+  EXPECT_EQ(result["status"], "feasible");
+  EXPECT_EQ(result["stop"], "time limit");
+  EXPECT_EQ(result["message"],
+            "stopped before the proof was complete (9 s, the limit of orders above 400; --time-limit gives more)");
+  EXPECT_GT(result["filter"]["taps"].size(), 401U);
+  EXPECT_EQ(run({"verify", path}).code, 0);
 }
 
 }  // namespace

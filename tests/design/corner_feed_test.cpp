@@ -59,6 +59,11 @@ TEST(CornerFeed, IsTheLargestPartThatHoldsTheToleranceByFormula) {
   EXPECT_NEAR(result.corners[0].corner_time, result.objective(), 1e-15);
   EXPECT_THAT(settings_answer(result), HasSubstr("corner-feed at corner P0 (70 % of the feed, 2100 mm/min, from "
                                                  "0.42 mm before to 0.42 mm behind it)"));
+  // N + 2 samples are not the fastest stretch: what is proved says so.
+  EXPECT_THAT(settings_answer(result),
+              HasSubstr("proved best for this family with corner feeds that last until the motion has settled"));
+  EXPECT_THAT(settings_answer(result), HasSubstr(" Less than 12 samples at the corner feed"));
+  EXPECT_THAT(verify_result(result).proof, HasSubstr("each corner feed lasts until the motion has settled"));
 }
 
 /// An exact stop costs N samples, a corner feed more than that below about half the feed.

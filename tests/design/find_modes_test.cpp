@@ -92,7 +92,31 @@ TEST(FindModes, NoneInWhiteNoise) {
   std::normal_distribution<double> normal(0.0, 1.0);
   std::vector<double> noise(64'000);
   for (double& a : noise) a = normal(engine);
-  for (const FoundMode& mode : find_modes({log_period, {"x"}, {noise}})) EXPECT_LT(mode.share, 0.5) << mode.frequency;
+  EXPECT_TRUE(find_modes({log_period, {"x"}, {noise}}).empty());
+}
+
+// One jolt alone, and jolts that begin before the last ringing ends: the stretches between them are fitted.
+TEST(FindModes, OfOneJoltAndOfJoltsThatOverlap) {
+  std::mt19937 engine(13);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  for (const std::vector<double>& starts : {std::vector<double>{0.5}, std::vector<double>{0.5, 0.57, 1.1, 1.8, 1.9}}) {
+    for (const double z : {0.05, 0.15}) {
+      const double w = 2.0 * std::numbers::pi * 42.0, damped = w * std::sqrt(1.0 - z * z);
+      std::vector<double> signal(12'800);
+      for (std::size_t k = 0; k < signal.size(); ++k) {
+        signal[k] = 0.02 * normal(engine);
+        for (const double start : starts) {
+          const double t = static_cast<double>(k) * log_period - start;
+          if (t > 0.0) signal[k] += std::exp(-z * w * t) * std::sin(damped * t);
+        }
+      }
+      const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {signal}});
+      ASSERT_EQ(found.size(), 1U);
+      EXPECT_NEAR(found[0].frequency, 42.0, 0.42);
+      EXPECT_NEAR(found[0].damping, z, 0.2 * z);
+      EXPECT_GT(found[0].jolts, 0);
+    }
+  }
 }
 
 // The weaker one has 0.4 of the other's velocity, and 4 % of the energy of the lags.

@@ -8,7 +8,7 @@
 
 #include "support/paths.hpp"
 
-// A result without modes leaves out vibration: the figure of lib/accdec/README.md, from a simulation of its own.
+// A result without modes leaves out vibration: the figure of lib/accdec/THEORY.md, from a simulation of its own.
 
 namespace accdec {
 namespace {

@@ -317,6 +317,8 @@ TEST(Settings, SayWhichWidthNoControlHolds) {
   EXPECT_EQ(width_in_words({1.29412e-4, 1.37257e-4}), "in-position width 0.1333 mm (0.1295 to 0.1372)");
   EXPECT_THAT(width_in_words({1.234561e-4, 1.234589e-4}), HasSubstr("(0.123457 to 0.123458)"));
   EXPECT_THAT(width_in_words({0.0, 3.2e-11}), HasSubstr("no control holds so small a width"));
+  EXPECT_THAT(width_in_words({2e-8, 3e-8}), HasSubstr("few controls hold a width below 0.001 mm"));
+  EXPECT_EQ(width_in_words({1e-6, 2e-6}).find("few controls"), std::string::npos);
 }
 
 TEST(Settings, AreNotForged) {

@@ -242,6 +242,8 @@ TEST(Controllers, MalformedFiles) {
   EXPECT_THAT(message(changed("\"averages\"", "\"avrages\"")), HasSubstr("mine.toml:2:10"));
   EXPECT_THAT(message(changed("\"averages\"", "\"taps\"")), HasSubstr("free taps have no [[stage]]"));
   EXPECT_THAT(message(changed("unit_ms = 0.5", "unit_ms = 0")), HasSubstr("mine.toml:7:11"));
+  // A number of Hz falls as the time grows.
+  EXPECT_THAT(message(changed("unit = \"x 0.5 ms\"", "unit = \"Hz\"")), HasSubstr("is a unit of frequencies"));
   const std::string second = "\n[[stage]]\nparameter = \"P2\"\nunit_ms = 1\n";
   const std::string gaussian = changed("\"averages\"", "\"gaussian\"");
   EXPECT_EQ(message(gaussian), "");

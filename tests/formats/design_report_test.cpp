@@ -65,6 +65,15 @@ TEST(ResultText, SaysWhatIsNotConsidered) {
               HasSubstr("ignored     following error and feedforward of the servo, thermal rating of the drives\n"));
 }
 
+// If some axes have a servo, the others are named.
+TEST(ResultText, NamesTheAxesWithoutServo) {
+  const DesignResult result = evaluate_task(parse_task(
+      "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 19\n[[axis]]\nname = \"x\"\nservo_gain_1_s = 200\n"
+      "[[axis]]\nname = \"y\"\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\ndelay_samples = 0\n",
+      "task.toml", {.response = Considered::all}));
+  EXPECT_THAT(result_text(result), HasSubstr("following error and feedforward of the servo of axis y, thermal rating"));
+}
+
 TEST(ExplanationText, SaysWhatIsNotConsidered) {
   const Explanation explanation = explain_task(parse_task(malformed::Parts{}.str(), "t"));
   EXPECT_THAT(explanation_text(explanation), HasSubstr("Ignored: vibration of the machine (the task has no [[mode]])"));

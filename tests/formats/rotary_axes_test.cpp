@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/design.hpp>
+#include <accdec/formats/design_report.hpp>
 #include <accdec/formats/task_json.hpp>
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/result.hpp>
@@ -104,6 +105,51 @@ TEST(RotaryAxes, AreInRadiansByNamesOfSI) {
   EXPECT_EQ(both.machine.axes[0].velocity_max, 0.2);
   EXPECT_NEAR(both.machine.axes[1].velocity_max, 0.2 * 0.18 / pi, 1e-16);
   EXPECT_THROW(with_setting(task, "axis.*.mass", 0.2), InputError);
+}
+
+/// A degree counts as a millimetre. By the work over a degree, 1 N m is then 1000 pi/180 N. Both curves are read, one
+/// is written.
+TEST(RotaryAxes, CurvesAreInDegreesAndNewtonMetres) {
+  const auto with = [](const std::string& curve, const std::string& name = "b") {
+    return parse_task(
+        "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 19\n[[axis]]\nname = \"x\"\n[[axis]]\nname = \"" +
+            name + "\"\ninertia_kg_m2 = 0.8\ntorque_max_N_m = 50\n" + curve +
+            "\n[[corner]]\nname = \"A\"\nfeed_in_mm_min = 6000\ndelay_samples = 0\n"
+            "direction_in = [0, 1]\ndirection_out = [0, 1]\n",
+        "t", {.response = Considered::all});
+  };
+  const Task task = with("torque_speed_N_m = [[0, 140], [200, 100]]");
+  const Axis& b = task.machine.axes[1];
+  const double newtons = 1000.0 * std::acos(-1.0) / 180.0;
+  ASSERT_EQ(b.force_speed.size(), 2U);
+  EXPECT_NEAR(b.force_speed[1].speed, 0.2, 1e-15);
+  EXPECT_NEAR(b.force_speed[1].force, 100.0 * newtons, 1e-10);
+  EXPECT_NEAR(b.force_speed_max, 140.0 * newtons, 1e-10);
+  EXPECT_THAT(task_to_toml(task), HasSubstr("torque_speed_N_m = [[0.0,140.0],[200.0,100.0]]"));
+  const Task before = with(fmt::format("force_speed_N = [[0, {:.15g}], [200, {:.15g}]]", 140 * newtons, 100 * newtons));
+  EXPECT_NEAR(before.machine.axes[1].force_speed_max, b.force_speed_max, 1e-10);
+  EXPECT_THAT(task_to_toml(before), HasSubstr("torque_speed_N_m = "));
+  EXPECT_THAT(fmt::format("{}", fmt::join(before.notes, "; ")), HasSubstr("`torque_speed_N_m` says so"));
+  // 100 deg/s within 20 ms are 5000 deg/s^2, at the end at 100 deg/s, where the curve has 120 N m.
+  const DesignResult result = evaluate_task(task);
+  const double torque = 0.8 * 5000.0 * std::acos(-1.0) / 180.0;
+  EXPECT_THAT(result_text(result),
+              HasSubstr(fmt::format("64.15  {:.6g}    120  N m   A start, k = 20, at 100 deg/s", torque)));
+  EXPECT_THAT(result.verification.worst, StartsWith("torque b: 139.6 %"));
+  const auto refusal = [&](const std::string& curve, const std::string& name) -> std::string {
+    try {
+      with(curve, name);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("torque_speed_N_m = [[0, 1], [9, 0]]\nforce_speed_N = [[0, 1], [9, 0]]", "b"),
+              HasSubstr("`torque_speed_N_m` and `force_speed_N` are both given"));
+  EXPECT_THAT(refusal("torque_speed_N_m = [[0, 40], [90, 50]]", "b"),
+              HasSubstr("`torque_speed_N_m`: forces must not rise"));
+  EXPECT_THAT(refusal("torque_speed_N_m = [[0, 40], [90, 20], [180, 10]]", "b"),
+              HasSubstr("behind 90 deg/s than before it"));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 #include <accdec/files.hpp>
 #include <accdec/plan/along/path_speed.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
 #include "support/temporary_folder.hpp"

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <accdec/plan/free/free_motion.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
 #include "support/tries.hpp"

@@ -17,7 +17,7 @@
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/window_bound.hpp>
-#include <accdec/plan/result/free_plan.hpp>
+#include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plan/trajectory/plan_profiles.hpp>
 
 #include "../program/reference.hpp"

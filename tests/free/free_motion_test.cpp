@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <accdec/bounds/any_motion_bound.hpp>
-#include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 #include <accdec/simulate/tube_check.hpp>
 
 #include "../program/free_corner.hpp"

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <accdec/files.hpp>
-#include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
 #include "support/temporary_folder.hpp"

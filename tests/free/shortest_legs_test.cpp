@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include <accdec/plan/along/leg_program.hpp>
-#include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
 #include "support/tries.hpp"

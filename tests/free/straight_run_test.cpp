@@ -10,8 +10,8 @@
 
 #include <accdec/bounds/any_motion_bound.hpp>
 #include <accdec/plan/along/straight_run.hpp>
-#include <accdec/plan/result/free_plan.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
 #include "support/tries.hpp"

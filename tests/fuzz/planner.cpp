@@ -17,7 +17,7 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/plan/record/check_record.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/task.hpp>

@@ -15,12 +15,16 @@
 namespace accdec {
 namespace {
 
-// Linear Acc/Dec over 20 ms: behind the corner b turns at 60 deg/s and z moves at 80 mm/s.
-constexpr const char* three_axes = R"(
-sample_period_ms = 1
-[filter]
-kind = "boxcar"
-order = 19
+/// Linear Acc/Dec over 20 ms round a corner at 6000 mm/min.
+std::string task_of(const std::string& axes, const std::string& in, const std::string& out) {
+  return "sample_period_ms = 1\nfilter = { kind = \"boxcar\", order = 19 }\n" + axes +
+         "[[corner]]\nname = \"A\"\nfeed_in_mm_min = 6000\nfeed_out_mm_min = 6000\ndelay_samples = 20\n"
+         "direction_in = " +
+         in + "\ndirection_out = " + out + "\n";
+}
+
+// Behind the corner b turns at 60 deg/s and z moves at 80 mm/s.
+const std::string three_axes = task_of(R"(
 [[axis]]
 name = "x"
 [[axis]]
@@ -32,34 +36,12 @@ torque_max_N_m = 9
 name = "z"
 mass_kg = 10
 force_max_N = 60
-[[corner]]
-name = "A"
-direction_in = [1, 0, 0]
-direction_out = [0, 0.6, 0.8]
-feed_in_mm_min = 6000
-feed_out_mm_min = 6000
-delay_samples = 20
-)";
+)",
+                                       "[1, 0, 0]", "[0, 0.6, 0.8]");
 
-constexpr const char* two_axes = R"(
-sample_period_ms = 1
-[filter]
-kind = "boxcar"
-order = 19
-[[axis]]
-name = "x"
-[[axis]]
-name = "b"
-[[corner]]
-name = "A"
-direction_in = [1, 0]
-direction_out = [0, 1]
-feed_in_mm_min = 6000
-feed_out_mm_min = 6000
-delay_samples = 20
-)";
+const std::string two_axes = task_of("[[axis]]\nname = \"x\"\n[[axis]]\nname = \"b\"\n", "[1, 0]", "[0, 1]");
 
-Figure figure_of(const char* text) {
+Figure figure_of(const std::string& text) {
   return plot_result(evaluate_task(parse_task(text, "task.toml")));
 }
 

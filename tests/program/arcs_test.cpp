@@ -11,6 +11,7 @@
 #include <accdec/motion/circle.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/feeds/arc_caps.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/program.hpp>
 
 #include "reference.hpp"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/filter.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 

@@ -15,7 +15,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
 #include "corner_program.hpp"
@@ -235,6 +235,31 @@ TEST_F(ProgramCommand, CornerFeedsThatAreNoMultipleAreRejected) {
   EXPECT_THAT(forged.out, HasSubstr("not one multiple of corner_feed_step = 0.137"));
   write("renamed.json", without_corner_feeds(read("forged.json")));
   EXPECT_THAT(run("verify renamed.json").out, HasSubstr("not one multiple of corner_feed_step = 0.137"));
+}
+
+/// Exact stops need no G4, and the axes come to rest at them.
+TEST_F(ProgramCommand, ExactStopsAreWrittenWithoutANoteOnDwells) {
+  const std::string head = std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\n[controller]\n";
+  write("part.ngc", test::corner_program);
+  for (const auto& [kind, note] : {std::pair("exact-stop", false), std::pair("dwell", true)}) {
+    write("control.toml", head + "delays = [\"" + kind + "\"]\n");
+    ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --time-limit 4 --emit e.ngc").code, 0)
+        << read("err");
+    const std::string text = read("e.ngc");
+    EXPECT_EQ(text.find("\nG4 P") != std::string::npos, note) << kind;
+    EXPECT_EQ(text.find("the axes need not come to rest") != std::string::npos, note) << kind;
+  }
+}
+
+TEST_F(ProgramCommand, AMeasuredInPositionIsRefusedWhereItStands) {
+  write("part.ngc", test::corner_program);
+  write("control.toml",
+        "sample_period_ms = 1.0\n[design]\nfamily = \"averages\"\n[controller]\n"
+        "delays = [\"in-position\"]\nin_position_of = \"actual\"\n[[axis]]\nservo_gain_1_s = 100\n"
+        "acceleration_max_mm_s2 = 6000\n[program]\nerror_max_um = 50\n");
+  const Output refused = run("program part.ngc --task control.toml --time-limit 2");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("control.toml:6:1: a program does not consider [controller] `in_position_of`"));
 }
 
 /// A control that only lowers feeds has nothing that --feeds keep could use.

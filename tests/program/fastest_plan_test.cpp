@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/plan/trajectory/profile_repair.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 

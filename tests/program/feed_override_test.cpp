@@ -7,7 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <accdec/filter.hpp>
-#include <accdec/plan/result/feed_override.hpp>
+#include <accdec/plan/report/feed_override.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/program.hpp>
 
 #include "reference.hpp"

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/filter.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 
 #include "program_command.hpp"
@@ -347,6 +347,9 @@ TEST_F(LoadsCommand, FrictionOfARotaryAxisIsATorque) {
   write("turn.ngc", "G1 A90 F6000\nM2\n");  // 100 deg/s within 50 ms
   ASSERT_EQ(run("program turn.ngc --task turn.toml --feeds keep --json r.json").code, 0) << read("err");
   ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  write("unit.toml", read("turn.toml") + "[controller]\nposition_unit_um = 0.1\n");
+  run("program turn.ngc --task unit.toml --feeds keep");
+  EXPECT_THAT(read("out"), HasSubstr("whole numbers of 0.1 mdeg; differences of them read up to 4e+05 deg/s^3 more"));
   run("program turn.ngc --task turn.toml --feeds keep");
   const double rad = std::acos(-1.0) / 180.0, torque = 0.8 * 2000.0 * rad + 0.5 * 100.0 * rad + 3.0;
   char text[40];

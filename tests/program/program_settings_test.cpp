@@ -16,7 +16,7 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/simulate/direct.hpp>
 
 #include "corner_program.hpp"

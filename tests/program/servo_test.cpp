@@ -291,7 +291,7 @@ TEST_F(ServoCommand, OnlyMovedAxesLeaveAnythingOut) {
   EXPECT_THAT(read("out"), HasSubstr("ignored: vibration of the machine (the task has no [[mode]])\n"));
   run("program xy.ngc --task moved.toml");
   EXPECT_THAT(read("out"),
-              HasSubstr("following error and feedforward of the servo, thermal rating of the drive of axis "
+              HasSubstr("following error and feedforward of the servo of axis y, thermal rating of the drive of axis "
                         "y\n"));
 }
 

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 #include <accdec/filter.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>

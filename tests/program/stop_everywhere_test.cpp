@@ -8,7 +8,7 @@
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
-#include <accdec/plan/result/other_rules.hpp>
+#include <accdec/plan/run/other_rules.hpp>
 
 #include "program_command.hpp"
 #include "reference.hpp"

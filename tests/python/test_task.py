@@ -117,6 +117,10 @@ def test_a_force_speed_curve():
     assert bounded.replace(axes=bounded.axes) == bounded
     with pytest.raises(accdec.InputError, match="must not rise"):
         task([[0, 400], [50, 500]])
+    axes = [{"name": "x"}, {"name": "a", "inertia": 0.8, "torque_speed_N_m": [[0, 40], [180, 30]]}]
+    turning = accdec.Task(sample_period=1e-3, axes=axes, program=True)
+    assert turning.axes[1]["torque_speed_N_m"] == [[0, 40], [180, 30]]
+    assert turning.replace(axes=turning.axes) == turning
 
 
 def test_ratings_and_rotary_axes():

@@ -127,6 +127,28 @@ TEST(Verifier, FindsPeaksBesideTheEndsOfABand) {
   }
 }
 
+// Zero taps behind the last are no time in which a vibration dies away, in ratio or in metres. The prefilter's last tap
+// is the motion's last then.
+TEST(Verifier, ZeroTapsAtTheEndDampNothing) {
+  Task task = plane_task({}, plane_corner("A", 90, 0, 0.1, 0.1), std::nullopt);
+  task.machine.axes.resize(2);
+  task.machine.modes = {{40.0, 44.0, 0.5, 0.05, 0.1}, {40.0, 44.0, 1.0, 0.05, 0.1}};
+  task.machine.modes[1].axis = 0, task.machine.modes[1].displacement_max = 1e-4;
+  const auto limits = [&](int zeros) {
+    std::vector<double> taps(20, 0.05);
+    taps.resize(20 + static_cast<std::size_t>(zeros), 0.0);
+    std::vector<LimitUse> all;
+    verify_by_simulation(task, Filter(taps), {10}, &all);
+    return all;
+  };
+  for (const std::vector<double>& prefilter : {std::vector<double>{}, std::vector<double>{0.5, 0.5}}) {
+    task.machine.prefilter_taps = prefilter;
+    const std::vector<LimitUse> none = limits(0), four = limits(4);
+    ASSERT_EQ(none.size(), four.size());
+    for (std::size_t i = 0; i < none.size(); ++i) EXPECT_NEAR(four[i].value, none[i].value, 1e-12 * none[i].value);
+  }
+}
+
 TEST(Verifier, TakesAnExactStopAsErrorZero) {
   Task task = plane_task({}, plane_corner("A", 90, 30, 0.1, 0.2), 0.0);
   EXPECT_TRUE(verify_by_simulation(task, hann(30), {31}).feasible);

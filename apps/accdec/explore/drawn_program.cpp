@@ -10,7 +10,7 @@
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/signed_value.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/simulate/simulate.hpp>
 

@@ -16,9 +16,9 @@
 #include <accdec/formats/task_writer.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/fixed_plan.hpp>
-#include <accdec/plan/result/free_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/program.hpp>

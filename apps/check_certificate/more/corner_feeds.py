@@ -10,6 +10,8 @@ from problem import ROUNDING
 from tree import Tree
 
 MOST_WAYS, KINDS = 20000, {"corner-feed", "continuous", "exact-stop"}
+SETTLED = "; each corner feed lasts until the motion has settled"  # shorter ones are not looked at
+of_families = claim.CHECKS["families"]
 
 
 def require_known(problem):
@@ -86,11 +88,17 @@ def corner_feeds(result, problem, certificate):
               "the certificate claims more than its parts prove")
     target = claim.target_of(result, problem, "lower_bound_s", claimed)
     if target is None:
-        return f"{len(least)} parts of the feeds refuted: no filter holds all limits"
+        return f"{len(least)} parts of the feeds refuted: no filter holds all limits{SETTLED}"
     words = f"{len(least)} parts of the feeds refuted: no {problem.objective} time is shorter than"
-    return f"{words} {float(target * problem.period):.9g} s"
+    return f"{words} {float(target * problem.period):.9g} s{SETTLED}"
+
+
+def families_with_feeds(result, problem, certificate):
+    slow = problem.corner_feeds
+    return of_families(result, problem, certificate) + (SETTLED if slow else "")
 
 
 claim.MEMBERS["corner feeds"] = {"bound_samples", "parts"}
 claim.LISTS.add("parts")
 claim.CHECKS["corner feeds"] = corner_feeds
+claim.CHECKS["families"] = families_with_feeds

@@ -46,7 +46,8 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
     dict
         fits: those that fit, the most likely first, each with family, filter (as a task takes it), rms (m), sigmas
         behind the best, likelihood (0 for taps), time_constant (s, of a pole or an exponential) and second_constant (s,
-        of a second pole in series; 0: none). taps: any taps, likewise. noise (m). moves: first sample, samples,
+        of a second pole in series; 0: none). taps: any taps, likewise. noise (m). rounding (m), the noise that
+        positions have because they are written in steps; 0: a family fits exactly. moves: first sample, samples,
         last_step (part of the others that the last sample moves) and way (m) of each leg. modelled: positions of the
         first fit (m), by axis.
 

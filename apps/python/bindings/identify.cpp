@@ -45,8 +45,8 @@ py::dict found_dict(const Identification& found, const MotionLog& log) {
                     py::arg("way") = m.way);
   };
   return py::dict(py::arg("fits") = list_of(found.fits, fit_dict), py::arg("taps") = fit_dict(found.taps),
-                  py::arg("noise") = found.noise, py::arg("moves") = list_of(found.moves, move),
-                  py::arg("modelled") = modelled);
+                  py::arg("noise") = found.noise, py::arg("rounding") = found.rounding,
+                  py::arg("moves") = list_of(found.moves, move), py::arg("modelled") = modelled);
 }
 
 /// @param file  of a log; empty: `axes` and `positions` are the log

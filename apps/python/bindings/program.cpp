@@ -13,7 +13,7 @@
 #include <pybind11/stl.h>
 
 #include <accdec/plan/filters/program_settings.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_page.hpp>
 #include <accdec/program.hpp>

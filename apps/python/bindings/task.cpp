@@ -127,8 +127,10 @@ py::list axes_of(const Task& task) {
   py::list list;
   for (std::size_t i = 0; i < task.machine.axes.size(); ++i) {
     py::dict d = axis_dict(task.machine.axes[i]);
-    const auto curve = written[i].find(force_speed_key);
-    d[py::str(force_speed_key)] =
+    const bool turns = is_rotary(task.machine.axes[i].name);
+    const std::string_view key = turns ? rotary_key(force_speed_key) : force_speed_key;
+    const auto curve = written[i].find(key);
+    d[py::str(key)] =
         curve == written[i].end() ? py::none() : py::cast(curve->template get<std::vector<std::vector<double>>>());
     list.append(d);
   }
@@ -165,7 +167,7 @@ axes : dict or list of dict, optional
     regeneration_max, force_speed_N ([[mm/s, N], ..]), force_rms (N, over a whole program), name, servo_gain (1/s) with
     velocity_feedforward, or response_taps. One dict stands for every axis. Axes named a, b and c turn:
     velocity_max (rad/s), acceleration_max (rad/s^2), jerk_max (rad/s^3), inertia (kg m^2), damping (N m s), coulomb,
-    torque_max and torque_rms (N m); or in degrees, as velocity_max_deg_s.
+    torque_max and torque_rms (N m), torque_speed_N_m ([[deg/s, N m], ..]); or in degrees, as velocity_max_deg_s.
 machine : dict, optional
     power_total_max, regeneration_total_max (W): limits of the supply that all axes share.
 corners : dict or list of dict
@@ -193,7 +195,8 @@ controller : dict, optional
     a program says for each of them;
     in_position_of ("command" or "actual"), in_position_by ("path" or "axis") and in_position_latency (s): how it sees
     that it is in-position;
-    corner_feed_step: corners are passed at multiples of this fraction of both feeds;
+    corner_feed_step: corners are passed at multiples of this fraction of both feeds, which last until the motion has
+    settled;
     prefilter_taps: its own smoothing of every axis; position_unit_um: positions are whole numbers of it.
 
 Raises

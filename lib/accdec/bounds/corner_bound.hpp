@@ -51,20 +51,8 @@ inline constexpr std::size_t corner_programs_max = 400;  ///< linear programs of
 /// its length over the feed. Chords are those of the path: a plan that read its arcs again has another bound.
 ///
 /// The bound is the minimum, over all highest speeds v_i of the legs i, of the sum of L_i/v_i and of the corners' costs
-/// at these speeds. In program_corner_bound.cpp.
-///
-/// At the moment of its highest speed v_i a leg has no acceleration. So a motion cut there could continue at v_i
-/// without loss. Hence between two such moments a corner costs at least its loss at these speeds. A program costs at
-/// least the sum for the speeds it reaches, which are unknown. They are sorted into steps. If v_i lies between two
-/// steps, its part may be replaced by one that first speeds up to the upper step v. This costs (v - v_i) t/(2 v) on
-/// each side, where t is the time it takes. So the sum is bounded for all speeds of a step at once. Dynamic programming
-/// finds the least over all choices of steps. Going from rest to v takes t in jerk-limited steps and loses t/2. Dwells
-/// count fully.
-///
-/// Samples at T represent a continuous motion: the quadratic spline with them as coefficients (the cubic one if jerk is
-/// limited). Its second (third) derivatives are the differences of the samples, so it keeps all limits. It comes to
-/// rest one (two) periods later, and it leaves the polyline of the samples by at most A T^2/8 (A T^2/6). So one (two)
-/// periods are subtracted for every section between stops, and the tolerances are widened by that distance.
+/// at these speeds. Dwells count fully. In program_corner_bound.cpp. THEORY.md, "Corners of monotone legs", has the
+/// derivation, and "Samples and continuous motion" says what is subtracted for samples.
 /// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs
 CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit);
 

@@ -15,13 +15,7 @@ inline bool is_chord(const Toolpath& path, std::size_t b) {
 /// Least mean distance, in samples, between the slowing of a corner's first leg and the start of the second. It is
 /// Delta = d + M2 - M1 over all delays d and all pairs of filters with mean delays M. Their taps are at most tap_in and
 /// tap_out, and the corner error at the samples is at most `error`. The result is rounded down by at most 1e-3.
-///
-/// Counted from the sample of closest approach, filter 1 has taps b_i and filter 2, d samples later, c_i. Let p = sum
-/// b_i max(i, 0) and q = sum c_i max(-i, 0), with p' and q' the same sums on the other side. Then Delta = p' - p + q' -
-/// q. The error is that of S = -p s1 u1 + q s2 u2. For a given p, the largest mass after the sample has taps as large
-/// and as near to it as allowed. The remaining mass lies as near before it as possible, which gives the least p'. Both
-/// decrease with p and q, so the least Delta is on the ellipse |S| = error. On an arc of it, it is not below the value
-/// at the largest p and the largest q of the arc. Arcs are halved until the bound is precise enough.
+/// THEORY.md, "Filters and delays", derives it.
 /// @param step_in, step_out  v T of both legs, m  @param tap_in, tap_out  in (0, 1]  @param cos_interior  of the
 /// interior angle
 double least_separation(double step_in, double step_out, double tap_in, double tap_out, double cos_interior,

@@ -22,11 +22,8 @@ namespace accdec {
 /// Dwells count fully. The bound is weak where corners cost much, between legs that are longer than turning takes: see
 /// corner_bound.
 ///
-/// Samples at T represent a continuous motion: the quadratic spline with them as coefficients. Its second derivatives
-/// are the differences of the samples, so it keeps their limits. It comes to rest one period later and leaves the
-/// polyline through them by at most A T^2/8. So where accelerations are used, one period is subtracted for every
-/// section between stops, and the tolerances are wider by that distance. The bound by distance over feed holds for the
-/// polyline itself.
+/// With accelerations, samples stand for a continuous motion: see THEORY.md, "Samples and continuous motion".
+/// The bound by distance over feed holds for the polyline itself.
 /// @param machine  its axes are found by their names (program_machine); where an axis of the path has no limit on its
 /// acceleration, those of the others are not used
 double program_lower_bound(const Toolpath& path, const Machine& machine, double sample_period);

@@ -66,28 +66,7 @@ class MotionWeights {
 
 /// A time that no motion over the legs undercuts, s, whatever the weights are; -unlimited if they say nothing.
 ///
-/// The motion x passes joint i at t_i, within its tolerance e. Leg i takes h = t_i+1 - t_i. K, M and p are functions of
-/// the share s of that time. The velocity is continuous and zero at both ends, under a jerk limit the acceleration is,
-/// too. So
-///     0 = sum over legs of (integral of K x'' dt + 1/h integral of K' x' dt).
-///
-/// K is (K + M'/h) - M'/h. The integral of the first part is at least that of -A |K + M'/h|. The second part becomes
-/// M x''' after another integration by parts, at least -J |M|.
-///
-/// K' is p + (K' - p). The second part gives at least -F |K' - p|. The first part gives p . (x - x before)/h for every
-/// piece. At the ends of a leg x is in the joint, but for e. Inside, x is within R of the leg. Let d be a change of p
-/// between two pieces. So the pieces give at least
-///     ((p_first + p_last) . way/2 - sum of (|d . way|/2 + R |d|))/h.
-///
-/// Let q and g be p and h of the next leg. The joint between both gives at least -e |p_last/h - q_first/g|. Let f be
-/// that vector for the times guessed. Its length is at most half of |f + 2 p_last (1/h - 1/h_guessed)|, and as much of
-/// the next leg.
-///
-/// All of this is a sum over legs. So the times of all legs are at least the sum of the least values, over h, of
-///     h + ways/h - F |K' - p| - integral of (A |h K + M'| + J h |M|) ds - halves of both joints.
-/// Here h is at least the way over the highest speed. The least value is bounded from step to step of h. The integral
-/// is convex in h and the joints are convex in 1/h, so both are below their chords. For long times a straight M is
-/// better.
+/// The derivation, and what the code calls ways and joints, is in THEORY.md, "Weights of a whole motion".
 double weighted_time(const WeightedSection& section, const MotionWeights& weights);
 
 }  // namespace accdec

@@ -168,8 +168,8 @@ std::string check_corner_feeds(
   const double proved = LeastCost(task, ways, proof.parts, least).run();
   if (none) {
     if (proved < unlimited) throw Rejected("the certificate leaves ways past the corners");
-    return fmt::format("{} parts of the feeds refuted: no filter up to order {} holds all limits", proof.parts.size(),
-                       task.design.order_max);
+    return fmt::format("{} parts of the feeds refuted: no filter up to order {} holds all limits; {}",
+                       proof.parts.size(), task.design.order_max, about_corner_feeds);
   }
   const double bound = *proof.bound_samples,
                claimed =
@@ -182,8 +182,8 @@ std::string check_corner_feeds(
     throw Rejected("the status is optimal, but the lower bound is below the cycle time");
   return fmt::format(
       "{} parts of the feeds refuted: no {} time is shorter than {:.9g} s, within the tolerance of the "
-      "verification",
-      proof.parts.size(), to_string(task.design.objective), claimed * task.sample_period);
+      "verification; {}",
+      proof.parts.size(), to_string(task.design.objective), claimed * task.sample_period, about_corner_feeds);
 }
 
 }  // namespace accdec

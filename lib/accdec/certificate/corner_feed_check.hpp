@@ -9,6 +9,9 @@
 
 namespace accdec {
 
+/// Which corner feeds a proof is about.
+inline constexpr const char* about_corner_feeds = "each corner feed lasts until the motion has settled";
+
 /// Checks every part by `orders`, and computes the least that any ways past the corners cost with the orders left.
 /// @param orders  throws Rejected unless the tree proves the lower bound of a result of the task
 /// @throws Rejected

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <accdec/certificate/checked_rows.hpp>
+#include <accdec/certificate/corner_feed_check.hpp>
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/family_members.hpp>
 #include <accdec/certificate/member_ways.hpp>
@@ -299,10 +300,11 @@ std::string check_families(const proof::FamilyEnumeration& proof, const Task& ta
   int members = 0;
   for (const proof::RefutedMembers& r : refuted) members += r.members;
   if (counts(refuted) != counts(proof.refuted)) throw Rejected("the certificate counts other refuted members");
-  if (std::isinf(target)) return fmt::format("{} members refuted: none holds all limits", members);
+  const std::string about = task.settings->names(DelayKind::corner_feed) ? fmt::format("; {}", about_corner_feeds) : "";
+  if (std::isinf(target)) return fmt::format("{} members refuted: none holds all limits{}", members, about);
   return fmt::format(
-      "{} members refuted: none of the family is shorter than {:.9g} s, within the tolerance of the verification",
-      members, target * task.sample_period);
+      "{} members refuted: none of the family is shorter than {:.9g} s, within the tolerance of the verification{}",
+      members, target * task.sample_period, about);
 }
 
 }  // namespace accdec

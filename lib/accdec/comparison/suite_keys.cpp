@@ -48,13 +48,6 @@ Key free_table(std::string name, std::string meaning, std::string example) {
   key.free = true;
   return key;
 }
-Key list(std::string name, std::string meaning, std::vector<Key> keys) {
-  return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
-}
-Key required(Key key) {
-  key.required = true;
-  return key;
-}
 
 Key sizes(std::string fallback) {
   return {.name = "sizes",
@@ -230,10 +223,11 @@ FileKind make_suite_file() {
   file.keys = {text_key("title", "title of the report", "the file's name", "\"Solvers compared\""), notes, solvers};
   for (Key& key : setting_keys()) file.keys.push_back(std::move(key));
   file.keys.push_back(reduced);
-  file.keys.push_back(list("variant", "a further entry: a solver with options of its own", variant_keys()));
-  file.keys.push_back(list("external", "a further entry: a program that reads problems from files", external_keys()));
-  file.keys.push_back(list("problem", "a task and what is asked of it", problem_keys()));
-  file.keys.push_back(list("hypercube", "problems drawn at random, as a Latin hypercube", hypercube_keys()));
+  file.keys.push_back(tables_key("variant", "a further entry: a solver with options of its own", variant_keys()));
+  file.keys.push_back(
+      tables_key("external", "a further entry: a program that reads problems from files", external_keys()));
+  file.keys.push_back(tables_key("problem", "a task and what is asked of it", problem_keys()));
+  file.keys.push_back(tables_key("hypercube", "problems drawn at random, as a Latin hypercube", hypercube_keys()));
   file.conditions =
       R"({"allOf": [{"anyOf": [{"required": ["solvers"]}, {"required": ["variant"]}, {"required": ["external"]}]},)"
       R"( {"anyOf": [{"required": ["problem"]}, {"required": ["hypercube"]}]}]})";

@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include <accdec/design/find_modes.hpp>
+#include <accdec/design/free_decay.hpp>
+#include <accdec/design/significance.hpp>
 
 namespace accdec {
 namespace {
@@ -19,8 +21,11 @@ namespace {
 constexpr int parts = 4;                // of a log that are compared
 constexpr double damping_most = 0.4;    // more is no peak that a filter should avoid
 constexpr double least_left = 1e-2;     // of the energy of the lags: later ones are noise
-constexpr double share_least = 0.002;   // of the energy
-constexpr double share_large = 0.03;    // of the energy: model orders may disagree
+constexpr double power_least = 0.005;   // of the power, in noise
+constexpr double power_large = 0.15;    // of the power, in noise: model orders may disagree
+constexpr double share_least = 0.002;   // of the energy of the lags of others, as ends of sweeps look like modes
+constexpr double share_large = 0.03;    // of the energy of the lags: model orders may disagree
+constexpr double false_alarm = 1e-3;    // modes of an axis in white noise
 constexpr double agree = 0.1;           // of the damping: the middle half of the model orders
 constexpr double same = 0.03;           // relative difference of frequencies of one mode
 constexpr int orders = 20;              // pairs of poles at most
@@ -104,14 +109,55 @@ Autocorrelation cut(Autocorrelation lags, double low) {
   return lags;
 }
 
-/// A mode, and its part in the energy of the lags.
+/// A mode, and its power.
 struct Weighed {
   FoundMode mode;
   double energy = 0.0;
   bool sure = false;  ///< model orders agree
 
+  double of_lags = 0.0;  ///< its part of the energy of the lags
+
   /// Weak vibrations count if they are sure: noise gives every model order another damping.
-  bool counts() const { return mode.share >= (sure ? share_least : share_large); }
+  bool counts(bool random) const {
+    return random ? mode.share >= (sure ? power_least : power_large) : of_lags >= (sure ? share_least : share_large);
+  }
+};
+
+/// Tells peaks of a spectrum from noise. Powers of white noise are independent and exponentially distributed, as many
+/// for each Hz as the log has seconds.
+class Peaks {
+ public:
+  Peaks(const PowerSpectrum& spectrum, double seconds, const FindModesOptions& options)
+      : spectrum_(spectrum), seconds_(seconds), cells_(seconds * (options.frequency_max - options.frequency_min)) {}
+
+  /// Whether the power within the peak's width is more than noise as loud as the flanks would have. The threshold
+  /// counts all frequencies and widths: about one log of white noise in 1000 has such a peak.
+  bool stands_out(double frequency, double damping) const {
+    const double half = std::max(frequency * damping, 1.5 / seconds_);
+    const auto [in, counted] = mean(frequency - half, frequency + half);
+    const auto [low, of_low] = mean(frequency - 6.0 * half, frequency - 2.5 * half);
+    const auto [high, of_high] = mean(frequency + 2.5 * half, frequency + 6.0 * half);
+    const double flanks = of_low + of_high;
+    if (!(flanks > 0.0)) return true;
+    const double noise = (low * of_low + high * of_high) / flanks * (1.0 + 2.0 / std::sqrt(flanks));
+    constexpr double widths = 5.0;
+    const int count = static_cast<int>(std::lround(counted));
+    return gamma_tail(count, count * in / noise) * cells_ * widths < false_alarm;
+  }
+
+ private:
+  /// Mean power and the number of independent powers.
+  std::pair<double, double> mean(double from, double to) const {
+    double sum = 0.0;
+    int n = 0;
+    const auto begin = static_cast<std::size_t>(std::max(0.0, std::ceil(from / spectrum_.step)));
+    for (std::size_t k = begin; k < spectrum_.power.size() && spectrum_.step * static_cast<double>(k) <= to; ++k)
+      sum += spectrum_.power[k], ++n;
+    return {n > 0 ? sum / n : 0.0, n * spectrum_.step * seconds_};
+  }
+
+  const PowerSpectrum& spectrum_;
+  double seconds_, cells_;
 };
 
 /// Poles of several model orders that may be one mode.
@@ -129,8 +175,33 @@ struct Group {
   }
 };
 
-/// Energy of the lags that each pole has, where all poles together fit them best.
-std::vector<double> energies(const Autocorrelation& lags, const std::vector<Pole>& poles) {
+/// Whether powers beside each other differ as those of noise do: the logarithms of two by 2 ln 2 in the mean. Those of
+/// a sweep are alike. Only powers that are above others count.
+bool is_random(const PowerSpectrum& spectrum, double seconds, const FindModesOptions& options) {
+  const auto apart = static_cast<std::size_t>(std::max(1.0, std::ceil(1.0 / (seconds * spectrum.step))));
+  const auto begin = static_cast<std::size_t>(options.frequency_min / spectrum.step);
+  const auto end = std::min(spectrum.power.size(), static_cast<std::size_t>(options.frequency_max / spectrum.step)) -
+                   std::min(apart, begin);
+  std::vector<double> sorted(spectrum.power.begin() + static_cast<std::ptrdiff_t>(begin),
+                             spectrum.power.begin() + static_cast<std::ptrdiff_t>(end));
+  std::sort(sorted.begin(), sorted.end());
+  const double least = sorted[sorted.size() * 3 / 4];
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t k = begin; k + apart < end; ++k) {
+    if (!(spectrum.power[k] > least && spectrum.power[k + apart] > 0.0)) continue;
+    sum += std::abs(std::log(spectrum.power[k] / spectrum.power[k + apart])), ++count;
+  }
+  return sum > std::numbers::ln2 * count;
+}
+
+/// The parts of the first lag and of the energy of the lags.
+struct Part {
+  double power, energy;
+};
+
+/// The part of each pole in the lags, fitted by all poles together.
+std::vector<Part> parts_of(const Autocorrelation& lags, const std::vector<Pole>& poles) {
   const auto rows = static_cast<Eigen::Index>(lags.values.size()) - 2, count = static_cast<Eigen::Index>(poles.size());
   Eigen::MatrixXd basis(rows, 2 * count);
   Eigen::VectorXd values(rows);
@@ -142,18 +213,41 @@ std::vector<double> energies(const Autocorrelation& lags, const std::vector<Pole
     }
   }
   const Eigen::VectorXd weights = basis.colPivHouseholderQr().solve(values);
-  std::vector<double> result;
-  for (Eigen::Index p = 0; p < count; ++p)
-    result.push_back((basis.middleCols(2 * p, 2) * weights.segment(2 * p, 2)).squaredNorm());
+  std::vector<Part> result;
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const Eigen::VectorXd part = basis.middleCols(2 * p, 2) * weights.segment(2 * p, 2);
+    result.push_back({std::abs(part[0]), part.squaredNorm()});
+  }
   return result;
+}
+
+/// The modes of free vibrations behind jolts; none if the signal is no such.
+std::vector<Weighed> modes_behind_jolts(std::span<const double> signal, double period,
+                                        const FindModesOptions& options) {
+  const FreeDecay decay =
+      free_decay(signal, period, {options.frequency_min, options.frequency_max, damping_most, options.most});
+  std::vector<Weighed> found;
+  for (const DecayMode& m : decay.modes) {
+    if (found.size() == options.most) break;
+    const FoundMode mode{.axis = {},
+                         .frequency = m.frequency,
+                         .damping = m.damping,
+                         .damping_low = m.damping,
+                         .damping_high = m.damping,
+                         .share = std::min(1.0, m.energy / decay.energy),
+                         .jolts = decay.jolts,
+                         .overlaps = decay.overlaps};
+    found.push_back({mode, m.energy, true, 0.0});
+  }
+  return found;
 }
 
 /// The modes of a signal that most model orders find.
 std::vector<Weighed> modes_of(std::span<const double> signal, double period, const FindModesOptions& options) {
   const double longest = std::min(2.0, 0.2 * period * static_cast<double>(signal.size()));
+  const PowerSpectrum spectrum = power_spectrum(signal, period);
   const Autocorrelation lags =
-      cut(autocorrelation(power_spectrum(signal, period), options.frequency_min, options.frequency_max, longest),
-          options.frequency_min);
+      cut(autocorrelation(spectrum, options.frequency_min, options.frequency_max, longest), options.frequency_min);
   const Realisation realisation(lags);
   std::vector<Group> groups;
   int tried = 0;
@@ -185,12 +279,19 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
         {{.axis = {}, .frequency = f, .damping = z, .damping_low = z, .damping_high = z}, 0.0, group.sure(tried)});
   }
   if (found.empty()) return found;
-  const std::vector<double> energy = energies(lags, stable);
-  double all = 0.0;
-  for (const double value : lags.values) all += value * value;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    found[i].energy = energy[i], found[i].mode.share = std::min(1.0, energy[i] / all);
-  std::erase_if(found, [](const Weighed& w) { return !w.counts(); });
+  const std::vector<Part> of = parts_of(lags, stable);
+  const double all = std::max(lags.values[0], 1e-300);
+  double squares = 0.0;
+  for (const double value : lags.values) squares += value * value;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    found[i].energy = of[i].power, found[i].mode.share = std::min(1.0, of[i].power / all);
+    found[i].of_lags = of[i].energy / squares;
+  }
+  const bool random = is_random(spectrum, period * static_cast<double>(signal.size()), options);
+  const Peaks peaks(spectrum, period * static_cast<double>(signal.size()), options);
+  std::erase_if(found, [&](const Weighed& w) {
+    return !w.counts(random) || !peaks.stands_out(w.mode.frequency, w.mode.damping);
+  });
   std::sort(found.begin(), found.end(), [](const Weighed& a, const Weighed& b) { return a.energy > b.energy; });
   found.resize(std::min(found.size(), options.most));
   return found;
@@ -199,7 +300,7 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
 /// Compares with parts of the log, which may have been taken at other places of the machine. A part in which the mode
 /// was hardly excited says nothing.
 FoundMode spread_over_parts(const Weighed& whole, const std::vector<std::vector<Weighed>>& others) {
-  constexpr double near = 0.15, enough = 0.3 / (parts * parts);
+  constexpr double near = 0.15, enough = 0.3 / parts;
   FoundMode mode = whole.mode;
   for (const std::vector<Weighed>& part : others) {
     const auto off = [&](const Weighed& other) { return std::abs(other.mode.frequency / mode.frequency - 1.0); };
@@ -234,9 +335,12 @@ std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOption
   for (std::size_t a = 0; a < log.axes.size(); ++a) {
     const std::span<const double> signal(log.acceleration[a]);
     std::vector<std::vector<Weighed>> others;
+    std::vector<Weighed> all_of_axis = modes_behind_jolts(signal, log.period, used);
+    const auto modes_by = all_of_axis.empty() ? modes_of : modes_behind_jolts;
     for (std::size_t p = 0; p < parts && seconds >= parts * needed; ++p)
-      others.push_back(modes_of(signal.subspan(p * signal.size() / parts, signal.size() / parts), log.period, used));
-    for (const Weighed& found : modes_of(signal, log.period, used)) {
+      others.push_back(modes_by(signal.subspan(p * signal.size() / parts, signal.size() / parts), log.period, used));
+    if (all_of_axis.empty()) all_of_axis = modes_of(signal, log.period, used);
+    for (const Weighed& found : all_of_axis) {
       all.push_back(spread_over_parts(found, others));
       all.back().axis = log.axes[a];
     }

@@ -16,7 +16,9 @@ struct FoundMode {
   double spread = 0.0;                           ///< largest relative change of the frequency between parts of the log
   int compared = 0;                              ///< parts that show the mode; 0: nothing tells the spread
   double damping_low = 0.0, damping_high = 0.0;  ///< of the whole log and its parts
-  double share = 0.0;                            ///< of the energy of the axis within the band, 0 .. 1
+  double share = 0.0;                            ///< of the energy of the acceleration, 0 .. 1
+  int jolts = 0;     ///< behind which it was fitted; 0: by the autocorrelation of the whole log
+  int overlaps = 0;  ///< of these, before which the last ringing had not died away
 };
 
 /// Options of `find_modes`.

@@ -133,7 +133,7 @@ class FamilyFits {
   /// fit: there are a hundred times as many.
   void averages() {
     for (int a = 1; a - 1 <= order_max_; ++a) {
-      offer(SettingFamily::averages, cascade({a}), 1);
+      offer(SettingFamily::averages, cascade({a}), a == 1 ? 0 : 1);
       for (int b = 2; b <= a && a + b - 2 <= order_max_; ++b) offer(SettingFamily::averages, cascade({a, b}), 2);
     }
     const double variance = variance_of(best().fitted.filter);
@@ -233,7 +233,8 @@ class FamilyFits {
           const auto average = [&](std::vector<int> lengths) {
             FilterSpec spec = cascade(std::move(lengths));
             spec.pairs = shaper.pairs, spec.outer = shaper.outer, spec.pair_delay = delay;
-            offer(SettingFamily::shaper, spec, two ? 3 : spec.order == 0 ? 1 : 2);
+            // Which shaper it is counts as a number, too.
+            offer(SettingFamily::shaper, spec, two ? 4 : spec.order == 0 ? 2 : 3);
           };
           if (spec_order_too_short(shaper.pairs * delay)) continue;
           for (int a = two ? 2 : 1; a - 1 <= left; ++a) {

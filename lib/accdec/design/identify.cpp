@@ -18,11 +18,31 @@ constexpr double noise_more = 1.33;
 /// Part of a sample's way that a fit may leave.
 constexpr double unexplained = 0.1;
 constexpr double noise_least = 1e-12;  // m; rounding
+constexpr double exact_part = 0.01;    // of the log's rounding; a fit that leaves less has no part of it
 constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
 /// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
 constexpr double model_part = 1e-4;
 constexpr long least_free = 10;   // values more than numbers to fit
 constexpr double fastest = 20.0;  // m/s; no axis of a machine tool comes near it
+
+void require_believable(const Task& task, double step) {
+  for (const Axis& axis : task.machine.axes) {
+    if (axis.servo_gain < unlimited || !axis.response_taps.empty())
+      throw std::invalid_argument(
+          "identify does not consider the servo of an axis (servo_gain_1_s, response_taps); leave it out, and what "
+          "is found is filter and servo together");
+  }
+  const double feed = step / task.sample_period;
+  if (feed > fastest)
+    throw std::invalid_argument(
+        fmt::format("the log moves at {:.4g} m/s; allowed are {:g} m/s: are the units of the "
+                    "positions right?",
+                    feed, fastest));
+}
+
+bool same_taps(const Filter& a, const Filter& b) {
+  return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) < 1e-6; });
+}
 
 class Identifier {
  public:
@@ -35,7 +55,7 @@ class Identifier {
         window_(log, command_, order_max_, task.machine.prefilter_taps) {}
 
   Identification run() {
-    require_believable();
+    require_believable(task_, command_.step);
     look();
     const double whole = least_squares();
     const std::vector<FamilyFit> members = all_;
@@ -76,14 +96,22 @@ class Identifier {
   double best_rms() const { return rms(all_.front().squares, 1); }
   /// m: what neither family nor taps need explain.
   double rounding() const { return noise_least + model_part * command_.step; }
-  double noise() const { return std::max(command_.noise, options_.noise.value_or(0.0)); }
+  double noise() const { return std::max(command_.noise, least_noise()); }
+  double least_noise() const { return std::max({noise_least, options_.noise.value_or(0.0), rounded()}); }
+  /// m. Rounding looks like free taps, but not like a family: one that is exact shows a log without any.
+  double rounded() const { return best_rms() < exact_part * command_.rounding ? 0.0 : command_.rounding; }
   /// Free taps explain more by chance: of as many numbers as they have more, each about the noise's square. Several
   /// standard deviations beyond that, the family is not the log's. Nor is it where it leaves far more than the noise.
   bool fits_as_well_as_taps() const {
     constexpr double far_more = 3.0, deviations = 4.0;
     const double numbers = taps_.parameters, values = static_cast<double>(window_.values());
-    const double least = std::max(taps_rms(), options_.noise.value_or(0.0));
-    const double chance = (numbers + deviations * std::sqrt(2.0 * numbers)) * least * least;
+    const double least = std::max(taps_rms(), least_noise());
+    const auto explained = [&](double count, double by) {
+      return (count + deviations * std::sqrt(2.0 * count)) * by * by;
+    };
+    // Every ramp of every axis may be rounded alike: then taps explain the rounding of all.
+    const auto ramps = static_cast<double>(2 * command_.legs.size()) * static_cast<double>(command_.axes());
+    const double chance = std::max(explained(numbers, least), explained(ramps * numbers, rounded()));
     return best_rms() <= noise_more * least + rounding() + cut_off() &&
            best_rms() <= far_more * noise() + rounding() + speed_error() &&
            all_.front().squares <= taps_squares_ + chance + values * (rounding() * rounding() + cut_off() * cut_off());
@@ -100,21 +128,6 @@ class Identifier {
   double least_squares() const {
     const double least = noise_least * noise_least * static_cast<double>(window_.values());
     return std::max(least, std::min(taps_squares_, all_.front().squares));
-  }
-
-  void require_believable() const {
-    for (const Axis& axis : task_.machine.axes) {
-      if (axis.servo_gain < unlimited || !axis.response_taps.empty())
-        throw std::invalid_argument(
-            "identify does not consider the servo of an axis (servo_gain_1_s, response_taps); leave it out, and what "
-            "is found is filter and servo together");
-    }
-    const double feed = command_.step / task_.sample_period;
-    if (feed > fastest)
-      throw std::invalid_argument(
-          fmt::format("the log moves at {:.4g} m/s; allowed are {:g} m/s: are the units of the "
-                      "positions right?",
-                      feed, fastest));
   }
 
   double rms(double squares, int parameters) const {
@@ -161,6 +174,7 @@ class Identifier {
     result.taps = taps_;
     result.log_noise = command_.noise;
     const double best = best_rms();
+    result.rounding = rounded();
     if (std::min(best, taps_rms()) > unexplained * command_.step)
       throw std::invalid_argument(
           fmt::format("the log is no straight move and no corner from rest to rest, or has too much noise: the best "
@@ -168,9 +182,9 @@ class Identifier {
                       1e6 * std::min(best, taps_rms()), 1e6 * unexplained * command_.step, unexplained));
     if (!fits_as_well_as_taps()) {
       result.fits = {taps_};
-      result.noise = options_.noise.value_or(taps_rms());
+      result.noise = std::max(options_.noise.value_or(taps_rms()), least_noise());
     } else {
-      result.noise = std::max(options_.noise.value_or(best), noise_least);
+      result.noise = std::max(options_.noise.value_or(best), least_noise());
       result.fits = likely(result.noise);
     }
     const Filter filter = make_filter(result.fits.front().filter);
@@ -218,9 +232,6 @@ class Identifier {
     }
     for (FittedFilter& fit : fits) fit.likelihood /= sum;
     return fits;
-  }
-  static bool same_taps(const Filter& a, const Filter& b) {
-    return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) < 1e-6; });
   }
 
   const Task& task_;

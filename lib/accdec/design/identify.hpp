@@ -13,7 +13,7 @@ namespace accdec {
 struct FittedFilter {
   SettingFamily family = SettingFamily::averages;
   FilterSpec filter{};
-  int parameters = 1;            ///< numbers that were fitted: stages, 1 for a pole, taps ..
+  int parameters = 1;            ///< numbers that were fitted: stages, 0 if there is no filter, 1 for a pole, taps ..
   double rms = 0.0;              ///< m, of the differences between log and fit in the samples in which the filter acts
   double sigmas = 0.0;           ///< by how many standard deviations of the noise the best fits better
   double likelihood = 0.0;       ///< share among all members that were looked at, 0 .. 1; 0 for taps
@@ -34,6 +34,7 @@ struct Identification {
   FittedFilter taps;               ///< any taps, as good as the log shows them
   double noise = 0.0;              ///< m, standard deviation, as given or found; mean of the axes that move, as below
   double log_noise = 0.0;          ///< m, as the log shows it at rest and at constant speed
+  double rounding = 0.0;           ///< m, of the positions as they are written, part of both; 0: the log is exact
   std::vector<LoggedMove> moves;   ///< one, or both legs of a corner; of the first fit
   std::vector<std::vector<double>> modelled;  ///< m, by axis and sample, of the first fit
 };
@@ -50,11 +51,13 @@ struct IdentifyOptions {
 /// the log fits much better so. All families of settings are looked at, whatever the task names. They are one to three
 /// averages of every length, one or two endless poles, finite exponentials, Gaussians, windowed sincs, and up to two
 /// averages with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every number
-/// that a family has more must explain more. Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit
-/// too many families. Taps are the answer if they fit better than chance explains. They are also if the best family
-/// leaves far more than the noise, as the log shows it at rest and at constant speed. Two poles that differ mostly end
-/// so. An axis counts by its noise, as the log shows it; one that rests does not count. The task's `prefilter_taps`
-/// stand behind every filter: what is found is the filter in front of them.
+/// that a family has more must explain more; which shaper it is counts as one. Exponentials, Gaussians and sincs have 8
+/// taps or more: shorter filters fit too many families. Taps are the answer if they fit better than chance explains.
+/// They are also if the best family leaves far more than the noise, as the log shows it at rest and at constant speed.
+/// Two poles that differ mostly end so. Positions that are all multiples of 1, 2 or 5 times a power of ten are rounded:
+/// step / sqrt(12) is the least noise then, unless a family fits exactly. An axis counts by its noise, as the log shows
+/// it; one that rests does not count. The task's `prefilter_taps` stand behind every filter: what is found is the
+/// filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine

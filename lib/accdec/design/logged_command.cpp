@@ -11,11 +11,12 @@
 namespace accdec {
 namespace {
 
-constexpr Eigen::Index rest_least = 5;  // samples at rest before and after the motion
-constexpr int steady_least = 6;         // samples at constant speed in a leg
-constexpr double least_way = 1e-3;      // of the longest leg; an axis that moves less rests
-constexpr double least_noise = 1e-4;    // of a sample's step; less cannot be told from a log's last digit
-constexpr double steady_part = 2e-3;    // of a sample's step, by which positions may be off a constant speed
+constexpr Eigen::Index rest_least = 5;                // samples at rest before and after the motion
+constexpr int steady_least = 6;                       // samples at constant speed in a leg
+constexpr double least_way = 1e-3;                    // of the longest leg; an axis that moves less rests
+constexpr double least_noise = 1e-4;                  // of a sample's step; less cannot be told from a log's last digit
+constexpr double rounded_root = 0.28867513459481287;  // 1 / sqrt(12): the standard deviation of rounding to a step
+constexpr double steady_part = 2e-3;  // of a sample's step, by which positions may be off a constant speed
 
 class Finder {
  public:
@@ -115,6 +116,23 @@ class Finder {
     return least < digit * most ? least : 0.0;
   }
 
+  /// m, the largest 1, 2 or 5 times a power of ten of which all positions of an axis are multiples. 0: there is none,
+  /// or an exact motion may have it.
+  double written_step(Eigen::Index a) const {
+    constexpr double exact = 1e-4, coarse = 0.5;
+    const double fastest =
+        (at_.row(a).rightCols(at_.cols() - 1) - at_.row(a).leftCols(at_.cols() - 1)).cwiseAbs().maxCoeff();
+    for (int power = 0; power >= -12; --power) {
+      for (const double digit : {5.0, 2.0, 1.0}) {
+        const double step = digit * std::pow(10.0, power);
+        if (step >= coarse * fastest) continue;
+        const Eigen::ArrayXd steps = at_.row(a).transpose().array() / step;
+        if ((steps - steps.round()).abs().maxCoeff() < exact) return step;
+      }
+    }
+    return 0.0;
+  }
+
   /// The sample farthest from the line between both ends; -1 for a straight move.
   int turning() const {
     const Eigen::VectorXd along = (end_ - start_) / way_;
@@ -190,19 +208,23 @@ class Finder {
 
   /// The noise of every axis, and what its differences count.
   void weigh(const std::vector<Steady>& parts, LoggedCommand& found) const {
-    const Eigen::VectorXd noise = noise_in(parts);
+    Eigen::VectorXd noise = noise_in(parts);
     Eigen::VectorXd way = Eigen::VectorXd::Zero(axes_);
     for (const LoggedCommand::Leg& leg : found.legs) way = way.cwiseMax(leg.way.cwiseAbs());
     found.weights = Eigen::VectorXd::Zero(axes_);
-    double squares = 0.0, told_apart = 0.0;
+    double squares = 0.0, told_apart = 0.0, rounded = 0.0;
     for (Eigen::Index a = 0; a < axes_; ++a) {
       if (way(a) < least_way * way.maxCoeff()) continue;
+      // Neither rest nor constant speed shows the rounding if every sample moves by whole steps.
+      const double least_of_step = rounded_root * written_step(a);
+      noise(a) = std::max(noise(a), least_of_step), rounded += least_of_step * least_of_step;
       const double least = std::max(noise(a), least_noise * found.step);
       squares += noise(a) * noise(a), told_apart += least * least;
       found.weights(a) = 1.0 / least;
     }
     const auto moving = static_cast<double>(found.axes());
     found.noise = std::sqrt(squares / moving);
+    found.rounding = std::sqrt(rounded / moving);
     found.weights *= std::sqrt(told_apart / moving);
   }
 

@@ -25,6 +25,8 @@ struct LoggedCommand {
   /// m, standard deviation of the positions of an axis, as differences show it at rest and at constant speed: the root
   /// of the mean square of the axes that move
   double noise = 0.0;
+  /// m, the least noise: positions that are multiples of a step have its part of 1 / sqrt(12), of the same axes
+  double rounding = 0.0;
   /// By axis, in inverse proportion to its noise: differences times these have one standard deviation. 0: the axis
   /// rests, and tells nothing of a filter.
   Eigen::VectorXd weights;

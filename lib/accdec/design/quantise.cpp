@@ -163,8 +163,51 @@ class QuantisedDesign {
     const int most = std::min(task_.design.order_max, order + std::max(8, order / 2));
     for (int longer = order + 1; longer <= most; ++longer) {
       for (const double part : parts) {
-        if (best_ || late()) return;
+        if (best_ || late()) break;
         at_order(longer, part);
+      }
+    }
+    // Little is left to gain otherwise.
+    constexpr double much = 1.05;
+    if (!best_ || best_->objective() > much * free_.objective()) powers_of_two({}, bits_);
+    shorten_delays();
+  }
+
+  /// Averages whose lengths are powers of two have whole coefficients, however few the bits are. The longest first.
+  /// @param most  exponent that the lengths together may have
+  void powers_of_two(const std::vector<int>& lengths, int most) {
+    constexpr std::size_t stages = 3;
+    if (!lengths.empty()) {
+      FilterSpec spec{.kind = Shape::averages, .lengths = lengths};
+      for (const int length : lengths) spec.order += length - 1;
+      if (spec.order > task_.design.order_max) return;
+      if (spec.order >= task_.design.order_min) {
+        const Filter filter = make_filter(spec);
+        offer(filter, smallest_delays(filter, delays_));
+      }
+    }
+    if (lengths.size() == stages) return;
+    for (int exponent = 1; exponent <= most && (lengths.empty() || 1 << exponent <= lengths.back()); ++exponent) {
+      if (late()) return;
+      std::vector<int> longer = lengths;
+      longer.push_back(1 << exponent);
+      powers_of_two(longer, most - exponent);
+    }
+  }
+
+  /// Neighbours of the best coefficients that hold the limits at shorter delays.
+  void shorten_delays() {
+    for (bool better = best_.has_value(); better;) {
+      better = false;
+      for (std::size_t j = 0; j < delays_.size() && !lossless() && !late(); ++j) {
+        std::vector<int> delays;
+        for (const CornerResult& corner : best_->corners) delays.push_back(corner.delay);
+        if (delays[j] == 0 || task_.corners[j].delay) continue;
+        --delays[j];
+        const double before = best_->objective();
+        const Filter filter = *best_->filter;
+        offer(filter, delays);
+        better = better || best_->objective() < before;
       }
     }
   }

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include <accdec/exact/designs.hpp>
+#include <accdec/exact/last_tap.hpp>
 #include <accdec/exact/one_width.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/task/delay_kinds.hpp>
@@ -24,6 +25,10 @@ Filter trimmed(const Filter& filter, const Task& task) {
   } else {
     while (!damped && longer(1) && taps.back() == 0.0) taps.pop_back();
     while (!by_one_width(task) && longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
+  }
+  if (damped && taps.size() > 1 && taps.back() == 0.0) {
+    taps.back() = end_share;
+    if (bounds.symmetric) taps.front() = end_share;
   }
   return Filter(std::move(taps));
 }

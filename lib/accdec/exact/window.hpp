@@ -6,11 +6,8 @@
 
 // Internal to the exact method: filters of any order in a linear program of few columns.
 //
-// A filter may be shifted. Its taps are counted from a sample at which some corner, the anchor, is closest. The columns
-// 0 .. order are the taps around it. If a tap far out is moved to such a column, no distance p or q gets worse and no
-// cumulative response inside changes. So these limits hold unchanged: limits on the taps between the ends, limits on
-// responses, and errors as cuts that grow with both distances. Forces behind a servo see taps far before. There an end
-// has the least weight of all taps that it stands for. A box refuted this way holds no filter of any order.
+// Columns are the taps around an anchor sample; ends stand for all taps farther out. THEORY.md, "Filters of any order",
+// says why that refutes all orders.
 
 namespace accdec::exact {
 

@@ -12,6 +12,10 @@ namespace accdec {
 /// Searches the member of least cost of a family of averages. Only values of the cost are known, and each is expensive,
 /// for example the time of a whole program. The caller offers starts; then smaller and smaller steps around the best
 /// are tried. No member is tried twice. The minimum is not proved.
+///
+/// FamilySearch is another search on purpose: it proves the best member. Its refusals, its bounds on ranges and its
+/// sums of cascades come from a task's limits on every corner. A cost with no more than values has none of these. Both
+/// share the families and their members; one class would hold both loops.
 class TrialSearch {
  public:
   using Cost = std::function<double(const Filter& filter)>;  ///< infinite for a filter that will not do

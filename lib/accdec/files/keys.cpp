@@ -41,6 +41,15 @@ Key text_key(std::string name, std::string meaning, std::string fallback, std::s
           .example = std::move(example)};
 }
 
+Key tables_key(std::string name, std::string meaning, std::vector<Key> keys) {
+  return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
+}
+
+Key required(Key key) {
+  key.required = true;
+  return key;
+}
+
 const Key* find_key(const std::vector<Key>& keys, std::string_view name) {
   const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
   return found == keys.end() ? nullptr : &*found;

@@ -60,6 +60,10 @@ struct Key {
 
 /// A key that holds a text.
 Key text_key(std::string name, std::string meaning, std::string fallback, std::string example);
+/// A key that holds a list of tables.
+Key tables_key(std::string name, std::string meaning, std::vector<Key> keys);
+/// The same key, which no table may lack.
+Key required(Key key);
 
 /// A step of a JSON pointer, in which "~" and "/" are written otherwise.
 std::string pointer_step(std::string_view key);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
@@ -71,6 +72,10 @@ std::string shown_above(double value, double limit) {
     std::string text = fmt::format("{:.{}g}", value, digits);
     if (digits == std::numeric_limits<double>::max_digits10 || std::strtod(text.c_str(), nullptr) > limit) return text;
   }
+}
+
+std::string shown_ms(double seconds) {
+  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
 }
 
 }  // namespace accdec

@@ -16,4 +16,7 @@ std::string shell_quoted(std::string_view argument);
 /// A number above a limit with two digits, or with as many as show that it is above: "2.1", not "2", beside 2.
 std::string shown_above(double value, double limit);
 
+/// A time in ms without the last digits, which are rounding.
+std::string shown_ms(double seconds);
+
 }  // namespace accdec

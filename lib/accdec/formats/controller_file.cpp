@@ -122,6 +122,7 @@ ControllerStage read_stage(const Table& table) {
   ControllerStage stage{};
   stage.time.name = *table.text("parameter");
   stage.time.unit = table.text("unit").value_or("ms");
+  require_unit_of_time(table, "unit", stage.time.unit);
   stage.time.unit_seconds = 1e-3 * table.required_number("unit_ms");
   stage.time.length_step = table.number("length_step_ms").value_or(0.0);
   stage.time.length_max = table.number("length_max_ms").value_or(0.0);

@@ -130,7 +130,8 @@ ReportTable limit_report(const DesignResult& result) {
     const auto at = use->kind == LimitKind::force_speed ? force_at_speed(result, *use) : std::nullopt;
     if (at) {
       value = at->force, bound = at->allowed;
-      where += fmt::format(", at {:.4g} mm/s", 1e3 * at->speed);
+      const LimitUnit speed = limit_unit(LimitKind::velocity, use->axis);
+      where += fmt::format(", at {:.4g} {}", speed.per_si * at->speed, speed.name);
       table.note = curve_note;
     }
     if (use->utilisation > 1.0 + result.verification.tolerance) where += "  BROKEN";

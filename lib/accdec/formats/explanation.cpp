@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/formats/explanation.hpp>
 #include <accdec/machine/limit_unit.hpp>
@@ -13,11 +14,6 @@
 
 namespace accdec {
 namespace {
-
-/// The time in ms without the last digits, which are rounding.
-std::string ms(double seconds) {
-  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
-}
 
 std::string percent(double share) {
   return fmt::format("{:g} %", std::round(share * 1e4) * 1e-2);
@@ -102,10 +98,10 @@ std::string gain_table(const Explanation& e) {
   const double base = e.base.objective();
   for (const Gain& g : e.gains) {
     const std::string proof = g.proved()              ? (g.solved ? "proved" : "proved with others")
-                              : g.at_most < unlimited ? fmt::format("at most {} ms", ms(g.at_most))
+                              : g.at_most < unlimited ? fmt::format("at most {} ms", shown_ms(g.at_most))
                                                       : "not proved";
     table.add({g.room.name, numbers(g.room, [](const Lever& l) { return l.value; }),
-               numbers(g.room, [&](const Lever& l) { return l.moved(e.share); }), ms(g.gain),
+               numbers(g.room, [&](const Lever& l) { return l.moved(e.share); }), shown_ms(g.gain),
                fmt::format("{:.1f}", 100.0 * g.gain / base), std::to_string(g.order), delays_text(g.delays), proof});
   }
   return table.str();
@@ -121,7 +117,7 @@ std::string gain_text(const Explanation& e) {
     if (best != e.gains.end() && best->gain > 0.0) {
       text += fmt::format("No single limit saves more than {}: {} instead of {} saves {} ms ({:.1f} %).\n",
                           best->room.name, numbers(best->room, [&](const Lever& l) { return l.moved(e.share); }),
-                          numbers(best->room, [](const Lever& l) { return l.value; }), ms(best->gain),
+                          numbers(best->room, [](const Lever& l) { return l.value; }), shown_ms(best->gain),
                           100.0 * best->gain / e.base.objective());
     } else if (e.gains.front().gain > 0.0) {
       text += "No one limit saves anything, only several together.\n";
@@ -150,7 +146,8 @@ void add_remedies(const Explanation& e, ExplanationWords& words) {
     const double change = first.value > 0.0 ? r.values.front() / first.value - 1.0 : 0.0;
     words.changes.rows.push_back({r.room.name, numbers(r.room, [](const Lever& l) { return l.value; }), enough,
                                   first.value > 0.0 ? fmt::format("{:+.3g} %", 100.0 * change) : "from 0",
-                                  ms(r.objective), r.smallest ? "less is not enough: proved" : "less may be enough"});
+                                  shown_ms(r.objective),
+                                  r.smallest ? "less is not enough: proved" : "less may be enough"});
   }
   if (!words.changes.rows.empty()) {
     words.above = fmt::format(
@@ -196,10 +193,10 @@ std::string explanation_text(const Explanation& e, bool samples) {
     for (const CornerResult& corner : e.base.corners) delays.push_back(corner.delay);
     const bool whole = e.base.task.design.objective == Objective::cycle;
     text += fmt::format(
-        "{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times", ms(e.base.objective()),
+        "{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times", shown_ms(e.base.objective()),
         e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
         e.base_proved ? e.base.settings ? proved_best_in_words(*e.base.task.settings) : "proved to be the shortest"
-        : e.base.lower_bound ? fmt::format("not below {} ms is proved", ms(*e.base.lower_bound))
+        : e.base.lower_bound ? fmt::format("not below {} ms is proved", shown_ms(*e.base.lower_bound))
                              : "nothing is proved");
     text += gain_text(e) + "\n" + binding_text(e, samples);
   }

@@ -1,8 +1,11 @@
+#include <utility>
+
 #include <fmt/format.h>
 
 #include <accdec/files/units.hpp>
 #include <accdec/formats/force_speed_table.hpp>
 #include <accdec/machine/limit_unit.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec {
 namespace {
@@ -17,6 +20,16 @@ double fall(const std::vector<SpeedForce>& curve, std::size_t i) {
 /// Straight points given in decimals may be off by rounding.
 constexpr double rounding = 1.0 - 1e-9;
 
+std::string_view curve_key(const Table& table) {
+  return table.has(torque_speed_key) ? torque_speed_key : force_speed_key;
+}
+
+/// Stand-ins for the two numbers of a point, with their units.
+std::pair<Key, Key> units_of(std::string_view key) {
+  const bool turns = key == torque_speed_key;
+  return {{.name = "speed", .unit = turns ? "deg/s" : "mm/s"}, {.name = "force", .unit = turns ? "N m" : "N"}};
+}
+
 void check_drive(const Table& table, const Axis& axis) {
   if (!(axis.coulomb > 0.0)) return;
   const std::string_view key = table.has("coulomb_N_m") ? "coulomb_N_m" : "coulomb_N";
@@ -27,7 +40,7 @@ void check_drive(const Table& table, const Axis& axis) {
   };
   if (axis.coulomb >= axis.force_max)
     refuse(table.has("force_max_N") ? "force_max_N" : "torque_max_N_m", axis.force_max);
-  if (axis.coulomb >= axis.force_speed_max) refuse(force_speed_key, axis.force_speed_max);
+  if (axis.coulomb >= axis.force_speed_max) refuse(curve_key(table), axis.force_speed_max);
 }
 
 }  // namespace
@@ -45,25 +58,45 @@ Key force_speed_of_files() {
           .pairs = true};
 }
 
+Key torque_speed_of_files() {
+  Key key = force_speed_of_files();
+  key.name = std::string(torque_speed_key);
+  key.meaning = "axes a, b, c: largest torque by speed, [[deg/s, N m], ..], as `force_speed_N`";
+  key.unit = "deg/s and N m";
+  key.example = "[[0, 40], [180, 30], [360, 10]]";
+  return key;
+}
+
+nlohmann::ordered_json curve_of_files(std::string_view key, const Axis& axis) {
+  // It is another than the one read where a study or a lever has set its bound.
+  const double scale = axis.force_speed_max / axis.force_speed.front().force;
+  const auto [speed, force] = units_of(key);
+  auto curve = nlohmann::ordered_json::array();
+  for (const SpeedForce& point : axis.force_speed)
+    curve.push_back({from_si(speed, scale * point.speed), from_si(force, scale * point.force)});
+  return curve;
+}
+
 void read_force_speed(const Table& table, Axis& axis) {
-  static const Key speed{.name = "speed", .unit = "mm/s"};
+  const std::string_view key = curve_key(table);
   std::vector<SpeedForce>& curve = axis.force_speed;
-  for (const auto& [v, f] : table.pairs(force_speed_key)) curve.push_back({to_si(speed, v), f});
+  const auto [speed, force] = units_of(key);
+  for (const auto& [v, f] : table.pairs(key)) curve.push_back({to_si(speed, v), to_si(force, f)});
   if (curve.empty()) return;
-  if (!(curve.front().force > 0.0)) table.fail_at(force_speed_key, 0, "`force_speed_N` begins without any force");
+  if (!(curve.front().force > 0.0)) table.fail_at(key, 0, fmt::format("`{}` begins without any force", key));
   for (std::size_t i = 1; i < curve.size(); ++i) {
     if (!(curve[i].speed > curve[i - 1].speed))
-      table.fail_at(force_speed_key, i, "`force_speed_N`: speeds must rise from point to point");
+      table.fail_at(key, i, fmt::format("`{}`: speeds must rise from point to point", key));
     if (curve[i].force > curve[i - 1].force)
-      table.fail_at(force_speed_key, i, "`force_speed_N`: forces must not rise from point to point");
+      table.fail_at(key, i, fmt::format("`{}`: forces must not rise from point to point", key));
   }
   for (std::size_t i = 1; i + 1 < curve.size(); ++i) {
     if (fall(curve, i) < rounding * fall(curve, i - 1))
-      table.fail_at(force_speed_key, i,
-                    fmt::format("`force_speed_N`: the curve falls less behind {:g} mm/s than before it; allowed is one "
-                                "that falls more and more. A branch of constant power is `power_max_W` beside "
-                                "`force_max_N`",
-                                1e3 * curve[i].speed));
+      table.fail_at(key, i,
+                    fmt::format("`{}`: the curve falls less behind {:g} {} than before it; allowed is one "
+                                "that falls more and more. A branch of constant power is `power_max_W` beside `{}`",
+                                key, 1e3 * curve[i].speed, key == torque_speed_key ? "deg/s" : "mm/s",
+                                key == torque_speed_key ? "torque_max_N_m" : "force_max_N"));
   }
   axis.force_speed_max = curve.front().force;
 }
@@ -100,9 +133,9 @@ void require_load(const Table& table, const Axis& axis) {
   if (axis.power_max < unlimited) refuse("power_max_W", nothing, any_load);
   if (axis.force_rms_max < unlimited) refuse("force_rms_N", nothing, any_load);
   if (axis.force_speed_max < unlimited)
-    table.fail_at(force_speed_key, fmt::format("`force_speed_N` bounds only the speed: {}; give {}, or "
-                                               "velocity_max_mm_s in place of the curve",
-                                               nothing, any_load));
+    table.fail_at(curve_key(table),
+                  fmt::format("`{}` bounds only the speed: {}; give {}, or {} in place of the curve", curve_key(table),
+                              nothing, any_load, turns ? "velocity_max_deg_s" : "velocity_max_mm_s"));
 }
 
 }  // namespace accdec

@@ -216,6 +216,8 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
   } else
     text += fmt::format("# likelihood {:.3g} among all members, at noise of {:.4g} um\n", best.likelihood,
                         1e6 * found.noise);
+  if (found.rounding > 0.5 * found.noise)
+    text += fmt::format("# the positions are rounded, which is noise of {:.4g} um or more\n", 1e6 * found.rounding);
   constexpr std::size_t shown = 20;
   for (std::size_t i = 1; i < std::min(found.fits.size(), shown); ++i)
     text += fmt::format("# also fits: {}, {:.1f} sigma behind, likelihood {:.3g}\n", in_words(found.fits[i], period),

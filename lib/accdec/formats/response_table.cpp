@@ -117,7 +117,8 @@ void check_response(const Table& top, const Task& task, Considered considered) {
     const Axis& axis = task.machine.axes[i];
     if (axis.servo_gain < unlimited) require_end(tables[i], axis, task.sample_period);
     require_considered(tables[i], "coulomb_N", considered);
-    require_considered(tables[i], force_speed_key, considered);
+    for (const std::string_view curve : {force_speed_key, torque_speed_key})
+      require_considered(tables[i], curve, considered);
     require_considered(tables[i], "servo_gain_1_s", considered);
     require_considered(tables[i], "response_taps", considered);
   }

@@ -45,12 +45,13 @@ std::vector<Key> rotary_keys() {
 }
 
 std::string_view rotary_key(std::string_view key) {
+  if (key == force_speed_key) return torque_speed_key;
   const auto found = std::ranges::find(all_keys, key, &RotaryKey::of_linear);
   return found == all_keys.end() ? key : found->key;
 }
 
 bool is_rotary_key(std::string_view key) {
-  return std::ranges::find(all_keys, key, &RotaryKey::key) != all_keys.end();
+  return key == torque_speed_key || std::ranges::find(all_keys, key, &RotaryKey::key) != all_keys.end();
 }
 
 std::vector<std::pair<std::string, double>> rotary_in_si(const Axis& axis) {
@@ -63,23 +64,27 @@ std::vector<std::pair<std::string, double>> rotary_in_si(const Axis& axis) {
 }
 
 void refuse_rotary(const toml_input::Table& table) {
-  for (const RotaryKey& one : all_keys) {
-    if (table.has(one.key))
-      table.fail_at(one.key,
-                    fmt::format("`{}` is for a rotary axis, and the only [[axis]] stands for all axes; allowed "
-                                "is one [[axis]] an axis",
-                                one.key));
-  }
+  const auto refuse = [&](std::string_view key) {
+    if (table.has(key))
+      table.fail_at(key, fmt::format("`{}` is for a rotary axis, and the only [[axis]] stands for all axes; allowed "
+                                     "is one [[axis]] an axis",
+                                     key));
+  };
+  for (const RotaryKey& one : all_keys) refuse(one.key);
+  refuse(torque_speed_key);
 }
 
 void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::string>& notes) {
   const bool turns = is_rotary(axis.name);
+  const auto require_alone = [&](std::string_view key, std::string_view of_linear) {
+    if (!turns) table.fail_at(key, fmt::format("`{}` is for rotary axes; allowed on axes named a, b and c", key));
+    if (table.has(of_linear))
+      table.fail_at(key, fmt::format("`{}` and `{}` are both given; allowed is either", key, of_linear));
+  };
+  if (table.has(torque_speed_key)) require_alone(torque_speed_key, force_speed_key);
   for (const RotaryKey& one : all_keys) {
     if (table.has(one.key)) {
-      if (!turns)
-        table.fail_at(one.key, fmt::format("`{}` is for rotary axes; allowed on axes named a, b and c", one.key));
-      if (table.has(one.of_linear))
-        table.fail_at(one.key, fmt::format("`{}` and `{}` are both given; allowed is either", one.key, one.of_linear));
+      require_alone(one.key, one.of_linear);
       axis.*one.value = *table.number(one.key);
     } else if (turns && table.has(one.of_linear)) {
       notes.push_back(fmt::format("`{}` of axis {} counts a degree as a millimetre; `{}` says so", one.of_linear,
@@ -89,8 +94,8 @@ void read_rotary(const toml_input::Table& table, Axis& axis, std::vector<std::st
   if (turns && table.has(force_speed_key))
     notes.push_back(
         fmt::format("`{}` of axis {} counts a degree as a millimetre: 1 deg/s is 1 mm/s there, and 1 N m "
-                    "is {:.6g} N",
-                    force_speed_key, axis.name, radians_per_metre));
+                    "is {:.6g} N; `{}` says so",
+                    force_speed_key, axis.name, radians_per_metre, torque_speed_key));
 }
 
 }  // namespace accdec

@@ -70,7 +70,9 @@ std::vector<Key> about_delays() {
        .example = "2",
        .of_period = true},
       {.name = "corner_feed_step",
-       .meaning = "with \"corner-feed\": corners are passed at multiples of this fraction of both feeds, below 1",
+       .meaning = "with \"corner-feed\": corners are passed at multiples of this fraction of both feeds, below 1. The "
+                  "lower feed lasts until the motion has settled, N + 2 samples before and behind the corner; shorter "
+                  "stretches, which may be faster, are not considered",
        .range = {0.001, 0.5},
        .fallback = "0.05",
        .example = "0.1"}};

@@ -267,7 +267,10 @@ void read_parameters(const Table& table, ControllerSettings& settings) {
   if (table.has("parameter_unit_ms")) right_size("parameter_unit_ms", factors.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     settings.stages[i].name = names[i];
-    if (!units.empty()) settings.stages[i].unit = units[i];
+    if (!units.empty()) {
+      require_unit_of_time(table, "parameter_units", units[i]);
+      settings.stages[i].unit = units[i];
+    }
     if (!factors.empty()) settings.stages[i].unit_seconds = 1e-3 * factors[i];
   }
 }
@@ -281,6 +284,16 @@ SettingFamily family_of_key(std::string_view key) {
 }
 
 }  // namespace
+
+void require_unit_of_time(const Table& table, std::string_view key, const std::string& unit) {
+  for (const std::string_view frequency : {"Hz", "hz", "HZ", "kHz", "rad/s", "1/s"}) {
+    if (unit != frequency) continue;
+    table.fail_at(key,
+                  fmt::format("`{}` = \"{}\" is a unit of frequencies; allowed are those of times, such as s, ms or "
+                              "cycles: what is entered is the time over `unit_ms`",
+                              key, unit));
+  }
+}
 
 bool all_on_grids(const std::vector<SettingFamily>& families) {
   return std::all_of(families.begin(), families.end(), [](SettingFamily family) {

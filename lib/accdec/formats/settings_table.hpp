@@ -31,6 +31,9 @@ inline constexpr GridStep grid_steps[] = {
     {SettingFamily::windowed_sinc, "cutoff_step_Hz", &ControllerSettings::cutoff_step},
     {SettingFamily::shaper, "shaper_frequency_step_Hz", &ControllerSettings::shaper_frequency_step}};
 
+/// @throws InputError if a unit is one of frequencies: a stage's number grows with its time
+void require_unit_of_time(const toml_input::Table& table, std::string_view key, const std::string& unit);
+
 /// Whether all families have a length and a real number alone: their only time is the first stage's.
 bool all_on_grids(const std::vector<SettingFamily>& families);
 

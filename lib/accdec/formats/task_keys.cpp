@@ -211,6 +211,7 @@ std::vector<Key> axis_keys() {
                   .example = "260"});
   for (Key& key : servo_keys()) keys.push_back(std::move(key));
   for (Key& key : rotary_keys()) keys.push_back(std::move(key));
+  keys.push_back(torque_speed_of_files());
   return keys;
 }
 
@@ -312,10 +313,6 @@ std::vector<Key> machine_keys() {
   return keys;
 }
 
-Key list(std::string name, std::string meaning, std::vector<Key> keys) {
-  return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
-}
-
 Key filter_table(std::string name, std::string meaning) {
   return {.name = std::move(name),
           .type = KeyType::table,
@@ -352,8 +349,8 @@ FileKind make_task_file() {
                 .type = KeyType::table,
                 .meaning = "limits of the supply that all axes share",
                 .keys = machine_keys()},
-               list("axis", "limits and load of an axis; without any, axes x and y have no limits", axis_keys()),
-               list("corner", "a corner of the path", corner_keys()),
+               tables_key("axis", "limits and load of an axis; without any, axes x and y have no limits", axis_keys()),
+               tables_key("corner", "a corner of the path", corner_keys()),
                {.name = "mode",
                 .type = KeyType::tables,
                 .meaning = "a vibration that the filter must not excite",

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/formats/filter_table.hpp>
+#include <accdec/formats/force_speed_table.hpp>
 #include <accdec/formats/rotary_table.hpp>
 #include <accdec/formats/settings_table.hpp>
 #include <accdec/formats/task_keys.hpp>
@@ -47,16 +48,6 @@ class Written {
   std::vector<Json> values_;  // as keys_; null if there is no value
 };
 
-/// The curve as it counts. It is another than the one read where a study or a lever has set its bound.
-Json curve_json(const Axis& axis) {
-  static const Key speed{.name = "speed", .unit = "mm/s"};
-  const double scale = axis.force_speed_max / axis.force_speed.front().force;
-  Json curve = Json::array();
-  for (const SpeedForce& point : axis.force_speed)
-    curve.push_back({from_si(speed, scale * point.speed), scale * point.force});
-  return curve;
-}
-
 Json axis_json(const Axis& axis) {
   Written table("axis");
   const auto key = [&](std::string_view name) { return is_rotary(axis.name) ? rotary_key(name) : name; };
@@ -67,7 +58,8 @@ Json axis_json(const Axis& axis) {
   for (const AxisLimit& limit : axis_limits) {
     if (axis.*limit.bound < unlimited && limit.key != force_speed_key) table.number(key(limit.key), axis.*limit.bound);
   }
-  if (axis.force_speed_max < unlimited) table.value(force_speed_key, curve_json(axis));
+  if (const std::string_view curve = key(force_speed_key); axis.force_speed_max < unlimited)
+    table.value(curve, curve_of_files(curve, axis));
   if (axis.force_rms_max < unlimited) table.number(key("force_rms_N"), axis.force_rms_max);
   if (axis.servo_gain < unlimited) {
     table.number("servo_gain_1_s", axis.servo_gain);

@@ -200,10 +200,16 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
                                  fmt::join(columns, ", "), static_cast<double>(log.samples()) * log.period);
   if (modes.empty())
     text += "# no vibration stands out\n";
-  else
+  else if (std::ranges::all_of(modes, [](const FoundMode& m) { return m.jolts > 0; })) {
+    const FoundMode& first = modes.front();
+    text += fmt::format("# {} jolts; the stretches between them were fitted{}\n", first.jolts,
+                        first.overlaps > 0 ? fmt::format(", {} of them before the ringing ends", first.overlaps) : "");
+  } else
     text +=
         "# holds for noise, sweeps, and jolts at regular times or so far apart that each dies away\n"
-        "# modes within 3 % of each other count as one; modes with less than 0.2 % of the vibration are not shown\n";
+        "# modes within 3 % of each other count as one; weak ones are shown if they stand out from noise, which seems "
+        "to\n"
+        "# have a mode in one axis of 1000 logs\n";
   for (const ModeCost& cost : costs) {
     if (cost.more)
       text += fmt::format("# residual_max = {:g} costs {:.4g} ms{}\n", cost.residual, 1e3 * *cost.more,
@@ -214,8 +220,8 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   for (const FoundMode& mode : modes) {
     const Mode held = bounded(mode, residual);
     text += fmt::format(
-        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.0f} % of its vibration, {}\n[[mode]]\n", mode.axis, mode.frequency,
-        mode.damping, 100.0 * mode.share,
+        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.3g} % of its acceleration (power), {}\n[[mode]]\n", mode.axis,
+        mode.frequency, mode.damping, 100.0 * mode.share,
         mode.compared > 0 ? fmt::format("within {:.1f} % over the log", 100.0 * mode.spread)
                           : fmt::format("no parts of the log to compare: widen the ranges by hand, {:.0f} % is assumed",
                                         100.0 * spread_least));

@@ -16,6 +16,12 @@ double PathArc::from(const double* point, double& dx, double& dy) const {
   return r;
 }
 
+double Toolpath::length(std::size_t b) const {
+  double length = 0.0;
+  for (std::size_t a = 0; a < dimensions(); ++a) length = std::hypot(length, point(b + 1)[a] - point(b)[a]);
+  return length;
+}
+
 std::string Toolpath::axis_name(std::size_t dimension) const {
   return std::string(1, static_cast<char>(program_axes[axes[dimension]] | 0x20));
 }

@@ -31,7 +31,7 @@ constexpr LimitUnit limit_unit(LimitKind kind, std::string_view axis) {
   const LimitName& linear = limit_name(kind);
   constexpr std::array<std::pair<std::string_view, std::string_view>, 5> rotary{
       {{"mm/s", "deg/s"}, {"mm/s^2", "deg/s^2"}, {"mm/s^3", "deg/s^3"}, {"N", "N m"}, {"um", "mdeg"}}};
-  if (is_rotary(axis) && kind != LimitKind::force_speed) {  // a curve has no key in degrees
+  if (is_rotary(axis)) {
     for (const auto& [from, to] : rotary) {
       if (from == linear.unit) return {to, find_unit(to)->divisor};
     }
@@ -69,11 +69,13 @@ inline std::string unit_of_before(LimitKind kind, std::string_view axis, double 
 /// The limit's name for people, as in results: "force_speed".
 constexpr std::string_view limit_word(LimitKind kind, std::string_view axis) {
   if (is_rotary(axis) && kind == LimitKind::force) return "torque";
+  if (is_rotary(axis) && kind == LimitKind::force_speed) return "torque_speed";
   return to_string(kind);
 }
 /// The key of a limit of an axis in task files.
 inline std::string limit_key(const AxisLimit& limit, std::string_view axis) {
-  if (!is_rotary(axis) || limit.kind == LimitKind::force_speed) return std::string(limit.key);
+  if (!is_rotary(axis)) return std::string(limit.key);
+  if (limit.kind == LimitKind::force_speed) return std::string(torque_speed_key);
   return fmt::format("{}_max{}", limit_word(limit.kind, axis), find_unit(limit_unit(limit.kind, axis).name)->suffix);
 }
 

@@ -72,7 +72,7 @@ class AxisSampler {
 };
 
 /// The key of a limit whose value is a curve, not a number.
-inline constexpr std::string_view force_speed_key = "force_speed_N";
+inline constexpr std::string_view force_speed_key = "force_speed_N", torque_speed_key = "torque_speed_N_m";
 
 /// A limit of an axis: where its bound is kept and which value is compared with it. To add one, add a line here. The
 /// recipe in lib/accdec/README.md names the code that repeats the formula on purpose.

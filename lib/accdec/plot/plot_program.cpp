@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/plot/plot_program.hpp>
 #include <accdec/plot/program_drawing.hpp>
 #include <accdec/plot/program_motion_panels.hpp>

@@ -9,7 +9,7 @@
 
 #include <accdec/machine.hpp>
 #include <accdec/machine/limits.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 

@@ -1,9 +1,17 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 namespace accdec {
+
+/// Distance of two points of n values.
+inline double distance(const double* a, const double* b, std::size_t n) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum);
+}
 
 /// The part of the motion examined for the error of a joint.
 struct JointWindow {

@@ -19,7 +19,9 @@ const Filter& longest(std::span<const Filter> filters) {
   return *std::ranges::max_element(filters, {}, &Filter::order);
 }
 
-/// Feeds the commands to the motion buffer and reads joints and limits off it.
+/// Feeds the commands to the motion buffer and reads joints and limits off it. `Motion` hands out samples of the same
+/// buffer one by one. For 10^6 blocks on one core, that alone takes 2.4 s (zigzag) and 0.08 s (raster). This whole
+/// check takes 0.5 s and 0.07 s, as it judges thousands of samples at a time and passes over steady ones.
 /// @tparam axes  their number; 0: only known at run time
 template <std::size_t axes>
 class Simulator {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/simulate/joint_distance.hpp>
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/simulate/tube_check.hpp>
 
@@ -11,19 +12,6 @@ namespace {
 
 constexpr double at_point = 1e-9;    // m
 constexpr double feed_slack = 1e-6;  // of programmed feeds, which durations give
-
-double length_of(const Toolpath& path, std::size_t b) {
-  double length = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-  return length;
-}
-
-double distance(const double* a, const double* b, std::size_t n) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum);
-}
 
 }  // namespace
 
@@ -45,7 +33,7 @@ std::vector<double> tube_radii(const Toolpath& path) {
 std::vector<double> feed_limits(const Toolpath& path) {
   std::vector<double> feeds(path.blocks(), unlimited);
   for (std::size_t b = 0; b < path.blocks(); ++b) {
-    if (path.rapid[b] == 0) feeds[b] = length_of(path, b) / path.duration[b];
+    if (path.rapid[b] == 0) feeds[b] = path.length(b) / path.duration[b];
   }
   return feeds;
 }

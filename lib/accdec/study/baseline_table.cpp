@@ -9,15 +9,12 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/study/baseline_table.hpp>
 
 namespace accdec::study {
 namespace {
-
-std::string milliseconds(double seconds) {
-  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
-}
 
 void add_row(TextTable& table, std::string name, std::string parameters, const DesignResult& result,
              const DesignResult& design, std::string note = "") {
@@ -31,8 +28,8 @@ void add_row(TextTable& table, std::string name, std::string parameters, const D
   const std::string more =
       design.filter ? fmt::format("{:.1f}", 100.0 * (result.objective() / design.objective() - 1.0)) : "-";
   table.add({std::move(name), std::move(parameters), std::to_string(result.filter->order()),
-             fmt::format("{}", fmt::join(delays, " ")), milliseconds(result.cycle_time),
-             milliseconds(result.corner_time), more, std::move(note)});
+             fmt::format("{}", fmt::join(delays, " ")), shown_ms(result.cycle_time), shown_ms(result.corner_time), more,
+             std::move(note)});
 }
 
 std::string rows(const BaselineTable& t) {
@@ -221,13 +218,12 @@ std::string savings_text(const BaselineTable& table) {
   if (!saved) return text + table.own->message + "\n";
   std::vector<int> delays;
   for (const CornerResult& corner : table.own->corners) delays.push_back(corner.delay);
-  text += fmt::format("{} ms with delay{} {}; the design saves {} ms ({:.1f} %)\n", milliseconds(saved->today),
-                      delays.size() == 1 ? "" : "s", fmt::join(delays, " "), milliseconds(saved->total),
+  text += fmt::format("{} ms with delay{} {}; the design saves {} ms ({:.1f} %)\n", shown_ms(saved->today),
+                      delays.size() == 1 ? "" : "s", fmt::join(delays, " "), shown_ms(saved->total),
                       100.0 * saved->total / saved->today);
   if (!saved->by_family) return text;
   const auto add = [&](const char* limit, const std::string& how, double saving) {
-    text +=
-        fmt::format("  {}{} ms ({:.1f} %) by {}\n", limit, milliseconds(saving), 100.0 * saving / saved->today, how);
+    text += fmt::format("  {}{} ms ({:.1f} %) by {}\n", limit, shown_ms(saving), 100.0 * saving / saved->today, how);
   };
   // A family that was not searched to the end may be better still.
   const char *at_least = saved->complete ? "" : "at least ", *at_most = saved->complete ? "" : "at most ";

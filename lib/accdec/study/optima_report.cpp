@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/files/csv_table.hpp>
+#include <accdec/files/shown_text.hpp>
 #include <accdec/formats/design_report.hpp>
 #include <accdec/plot/figure.hpp>
 #include <accdec/study/filters_figure.hpp>
@@ -19,10 +20,6 @@ using study::Optimum;
 using Cells = std::vector<std::string>;
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-std::string milliseconds(double seconds) {
-  return fmt::format("{:g}", std::round(seconds * 1e9) * 1e-6);
-}
 
 std::string proof_of(const Optimum& o) {
   if (!o.accepted) return "REJECTED";
@@ -63,11 +60,11 @@ const OptimaColumn of_design[] = {
     {"d", nullptr, [](const Optimum& o) { return delays_of(o.design) + stop_note(o.design); }},
     {nullptr, "delays", [](const Optimum& o) { return delays_of(o.design); }},
     {"cycle ms", "cycle_time_ms",
-     [](const Optimum& o) { return o.design.filter ? milliseconds(o.design.cycle_time) : ""; }},
+     [](const Optimum& o) { return o.design.filter ? shown_ms(o.design.cycle_time) : ""; }},
     {"corners ms", "corner_time_ms",
-     [](const Optimum& o) { return o.design.filter ? milliseconds(o.design.corner_time) : ""; }},
+     [](const Optimum& o) { return o.design.filter ? shown_ms(o.design.corner_time) : ""; }},
     {"bound ms", "lower_bound_ms",
-     [](const Optimum& o) { return o.design.lower_bound ? milliseconds(*o.design.lower_bound) : ""; }},
+     [](const Optimum& o) { return o.design.lower_bound ? shown_ms(*o.design.lower_bound) : ""; }},
     {"LPs", "linear_programmes", [](const Optimum& o) { return std::to_string(o.design.solver.evaluations); }},
     {"time s", nullptr, [](const Optimum& o) { return fmt::format("{:.2g}", o.design.solver.wall_time); }},
     {nullptr, "time_s", [](const Optimum& o) { return fmt::format("{:.4g}", o.design.solver.wall_time); }},
@@ -95,7 +92,7 @@ const OptimaColumn of_family[] = {
     {"d", nullptr,
      of_best<[](const Optimum&, const FamilyResult& best) { return delays_of(best.result) + stop_note(best.result); }>},
     {"cycle ms", nullptr,
-     of_best<[](const Optimum&, const FamilyResult& best) { return milliseconds(best.result.cycle_time); }>},
+     of_best<[](const Optimum&, const FamilyResult& best) { return shown_ms(best.result.cycle_time); }>},
     {"saved %", nullptr, [](const Optimum& o) { return o.saving() ? fmt::format("{:.1f}", 100.0 * *o.saving()) : ""; }},
     {nullptr, "saving", [](const Optimum& o) { return o.saving() ? fmt::format("{:.6f}", *o.saving()) : ""; }},
 };
@@ -139,7 +136,7 @@ std::string csv(const std::vector<Optimum>& optima) {
   for (std::size_t f = 0; f < families().size(); ++f) {
     add(fmt::format("{}_ms", families()[f].name), [f](const Optimum& o) {
       const bool held = f < o.families.size() && o.families[f].result.filter;
-      return held ? milliseconds(o.families[f].result.cycle_time) : "";
+      return held ? shown_ms(o.families[f].result.cycle_time) : "";
     });
   }
   for (const OptimaColumn& column : of_family) {

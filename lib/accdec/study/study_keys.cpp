@@ -37,13 +37,6 @@ Key texts(std::string name, std::string meaning, std::string fallback, std::stri
   key.type = KeyType::texts;
   return key;
 }
-Key required(Key key) {
-  key.required = true;
-  return key;
-}
-Key list(std::string name, std::string meaning, std::vector<Key> keys) {
-  return {.name = std::move(name), .type = KeyType::tables, .meaning = std::move(meaning), .keys = std::move(keys)};
-}
 Key free_table(std::string name, std::string meaning, std::string example) {
   return {.name = std::move(name),
           .type = KeyType::table,
@@ -95,7 +88,7 @@ std::vector<Key> method_keys() {
 Key case_key() {
   Key set = free_table("set", "keys of the task that the case changes", "{ \"filter.order\" = 20 }");
   set.conditions = fmt::format(R"({{"propertyNames": {{"pattern": {}}}}})", task_key_pattern());
-  return list(
+  return tables_key(
       "case", "a task of its own, or the study's with some keys changed",
       {required(text_key("name", "name of the case in the column `case`", "", "\"heavy\"")),
        text_key("task", "task file, relative to the study", "that of the study", "\"../corner/power.toml\""), set});
@@ -125,18 +118,18 @@ Key vary_key() {
                       .fallback = "2",
                       .example = "20"},
                      boolean("log", "equal ratios instead of equal steps")}};
-  Key vary = list("vary", "a quantity that varies",
-                  {text_key("name", "name of its column", "the first key", "\"tolerance\""), key, values, range});
+  Key vary = tables_key("vary", "a quantity that varies",
+                        {text_key("name", "name of its column", "the first key", "\"tolerance\""), key, values, range});
   vary.conditions = R"({"oneOf": [{"required": ["values"]}, {"required": ["range"]}]})";
   return vary;
 }
 
 Key ratio_key() {
-  return list("ratio", "a column that divides one column by another",
-              {required(text_key("name", "name of the column", "", "\"gain\"")),
-               required(text_key("of", "column of the numerator", "", "\"boxcar.cycle_time_ms\"")),
-               required(text_key("to", "column of the denominator", "", "\"optimum.cycle_time_ms\"")),
-               boolean("excess", "ratio minus 1")});
+  return tables_key("ratio", "a column that divides one column by another",
+                    {required(text_key("name", "name of the column", "", "\"gain\"")),
+                     required(text_key("of", "column of the numerator", "", "\"boxcar.cycle_time_ms\"")),
+                     required(text_key("to", "column of the denominator", "", "\"optimum.cycle_time_ms\"")),
+                     boolean("excess", "ratio minus 1")});
 }
 
 Key figure_key() {
@@ -144,7 +137,7 @@ Key figure_key() {
   title.empty_text = true;
   Key name = text_key("name", "name of its file: small letters, digits, - and _", "figure-1, ..", "\"pareto\"");
   name.conditions = R"({"pattern": "^[a-z0-9_-]+$"})";
-  return list(
+  return tables_key(
       "figure", "a figure of the report",
       {name, title,
        word("kind", "`pareto`: cycle time against corner error", {"curve", "family", "heat", "pareto"}, "curve"),

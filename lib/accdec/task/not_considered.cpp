@@ -9,6 +9,16 @@ namespace accdec {
 
 namespace {
 
+/// " of axes x, y"; empty if it is all axes.
+std::string of_axes(const std::vector<std::string>& names, std::size_t all) {
+  if (names.empty() || names.size() == all) return "";
+  return fmt::format(" of {} {}", names.size() == 1 ? "axis" : "axes", fmt::join(names, ", "));
+}
+
+bool follows_by_servo(const Axis& axis) {
+  return axis.servo_gain < unlimited || !axis.response_taps.empty();
+}
+
 /// Names the drives whose ratings are left out; empty if none is.
 std::string unrated_text(const Machine& machine, const std::vector<std::string>& rated) {
   std::vector<std::string> names;
@@ -34,9 +44,7 @@ std::string_view to_string(NotConsidered what) {
 std::vector<NotConsidered> not_considered(const Machine& machine) {
   std::vector<NotConsidered> left_out;
   if (machine.modes.empty()) left_out.push_back(NotConsidered::vibration);
-  const bool servo = std::all_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) {
-    return axis.servo_gain < unlimited || !axis.response_taps.empty();
-  });
+  const bool servo = std::all_of(machine.axes.begin(), machine.axes.end(), follows_by_servo);
   if (!servo || machine.axes.empty()) left_out.push_back(NotConsidered::servo);
   return left_out;
 }
@@ -50,7 +58,13 @@ std::string not_considered_text(const Machine& machine, const std::vector<std::s
       case NotConsidered::servo: servo = false; break;
     }
   }
-  if (!servo) texts.emplace_back("following error and feedforward of the servo");
+  if (!servo) {
+    std::vector<std::string> without;
+    for (const Axis& axis : machine.axes) {
+      if (!follows_by_servo(axis)) without.push_back(axis.name);
+    }
+    texts.push_back("following error and feedforward of the servo" + of_axes(without, machine.axes.size()));
+  }
   if (const std::string rating = unrated_text(machine, rated); !rating.empty()) {
     if (servo)
       texts.push_back(rating);

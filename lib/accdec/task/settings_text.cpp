@@ -13,6 +13,9 @@
 namespace accdec {
 namespace {
 
+/// Which corner feeds a proof is about.
+constexpr const char* settled_feeds = " with corner feeds that last until the motion has settled";
+
 /// "18 ms, 12 ms and 3 ms".
 std::string listed(const std::vector<std::string>& items) {
   if (items.size() < 2) return items.empty() ? "" : items.front();
@@ -160,14 +163,17 @@ std::string families_in_words(const ControllerSettings& settings) {
 }
 
 std::string proved_best_in_words(const ControllerSettings& settings) {
-  if (settings.controller.empty()) return "proved best for this family";
+  const std::string feeds = settings.names(DelayKind::corner_feed) ? settled_feeds : "";
+  if (settings.controller.empty()) return "proved best for this family" + feeds;
   return settings.delays.empty() ? "proved best for this control's filter, if it can delay by any number of samples"
-                                 : "proved best for this control";
+                                 : "proved best for this control" + feeds;
 }
 
 std::string width_in_words(const WidthInterval& width) {
-  constexpr double smallest = 1e-9;  // m: below any encoder's step
-  const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead" : "";
+  constexpr double smallest = 1e-9, small = 1e-6;  // m: the steps of encoders and of most controls' parameters
+  const char* const note = width.high < smallest ? ": no control holds so small a width, stop exactly instead"
+                           : width.high < small  ? ": few controls hold a width below 0.001 mm, stop exactly instead"
+                                                 : "";
   // Both ends are rounded inwards: every width that is printed may be entered. A narrow interval needs more digits.
   int digits = 4;
   while (digits < 15 && width.high - width.low < 20.0 * std::pow(10.0, -digits) * width.high) ++digits;
@@ -262,6 +268,23 @@ std::string kinds_not_used(const DesignResult& result) {
   return text;
 }
 
+/// Whether the control's corner feeds were candidates: free taps with delays of any length do without.
+bool considers_feeds(const DesignResult& result) {
+  const auto& control = result.task.settings;
+  return control && control->names(DelayKind::corner_feed) && (result.settings || !control->any_delay());
+}
+
+/// Corner feeds that no search looks at.
+std::string feeds_left_out(const DesignResult& result) {
+  if (!considers_feeds(result)) return "";
+  const int lead =
+      corner_feed_lead(result.filter->order(), Response(result.task.machine, result.task.sample_period).order());
+  return fmt::format(
+      " Less than {} samples at the corner feed, before and behind the corner, may be faster: they are "
+      "not considered.",
+      lead);
+}
+
 /// The proof behind the time.
 std::string proved_in_words(const DesignResult& result) {
   const auto& control = result.task.settings;
@@ -269,8 +292,9 @@ std::string proved_in_words(const DesignResult& result) {
   if (result.settings && result.settings->family != SettingFamily::taps) return proved_best_in_words(*control);
   return control && !control->controller.empty() && !control->names(DelayKind::corner_feed)
              ? "proved best for this control"
-         : control && !control->any_delay() ? "proved best of free taps with such delays"
-                                            : "proved best of free taps with delays";
+         : control && !control->any_delay()
+             ? std::string("proved best of free taps with such delays") + (considers_feeds(result) ? settled_feeds : "")
+             : "proved best of free taps with delays";
 }
 
 }  // namespace
@@ -284,7 +308,7 @@ std::string settings_answer(const DesignResult& result) {
                                                      : taps_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
   text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
-  text += beside_taps(result) + kinds_not_used(result);
+  text += beside_taps(result) + kinds_not_used(result) + feeds_left_out(result);
   if (result.savings && result.settings) {
     const double today = result.savings->today, saved = result.savings->total;
     text += fmt::format(" Today's setting takes {}; ", milliseconds(today));

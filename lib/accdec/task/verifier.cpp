@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files/side_by_side.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
@@ -86,9 +87,20 @@ double settling_time(const SampledMotion& m, const TaskCorner& corner, int order
   return samples * period;
 }
 
-/// Order of the filter behind the control's smoothing.
-int command_order(const Filter& filter, const Machine& machine) {
-  return filter.order() + std::max(0, static_cast<int>(machine.prefilter_taps.size()) - 1);
+/// The filter behind the control's smoothing.
+Filter smoothed_filter(const Filter& filter, const Machine& machine) {
+  if (machine.prefilter_taps.empty()) return filter;
+  std::vector<double> taps(static_cast<std::size_t>(filter.order()) + machine.prefilter_taps.size(), 0.0);
+  for (std::size_t j = 0; j < machine.prefilter_taps.size(); ++j) {
+    for (int i = 0; i <= filter.order(); ++i)
+      taps[static_cast<std::size_t>(i) + j] += filter.tap(i) * machine.prefilter_taps[j];
+  }
+  return Filter(std::move(taps));
+}
+
+/// The last tap that is not zero of the filter behind the control's smoothing.
+int last_of_command(const Filter& filter, const Machine& machine) {
+  return smoothed_filter(filter, machine).last_nonzero_tap();
 }
 
 struct Measures {
@@ -128,7 +140,7 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
   for (const Mode& mode : task.machine.modes) {
     if (!mode.of_axis()) continue;
     out.uses.push_back(verified_residual(sampled.command, mode, task.machine, corner,
-                                         command_order(filter, task.machine), delay, task.sample_period));
+                                         last_of_command(filter, task.machine), delay, task.sample_period));
   }
 }
 
@@ -154,17 +166,6 @@ Measures measure_corners(const Task& task, const Filter& filter, const std::vect
     std::move(part.corners.begin(), part.corners.end(), std::back_inserter(all.corners));
   }
   return all;
-}
-
-/// The filter behind the control's smoothing.
-Filter smoothed_filter(const Filter& filter, const Machine& machine) {
-  if (machine.prefilter_taps.empty()) return filter;
-  std::vector<double> taps(static_cast<std::size_t>(filter.order()) + machine.prefilter_taps.size(), 0.0);
-  for (std::size_t j = 0; j < machine.prefilter_taps.size(); ++j) {
-    for (int i = 0; i <= filter.order(); ++i)
-      taps[static_cast<std::size_t>(i) + j] += filter.tap(i) * machine.prefilter_taps[j];
-  }
-  return Filter(std::move(taps));
 }
 
 }  // namespace
@@ -214,7 +215,7 @@ Task corner_alone(const Task& task, const TaskCorner& corner) {
 double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use,
                    const std::vector<double>& parts) {
   if (use.kind == LimitKind::vibration)
-    return amplitude_left(smoothed_filter(filter, task.machine).taps(), use.frequency, use.damping, task.sample_period);
+    return vibration_left(smoothed_filter(filter, task.machine), use.frequency, use.damping, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
     const SampledResponse sampled = simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period,
@@ -238,7 +239,7 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
     if (use.kind == LimitKind::residual) {
       std::size_t a = 0;
       while (a + 1 < task.machine.axes.size() && task.machine.axes[a].name != use.axis) ++a;
-      return displacement_left(velocity_changes(sampled.command, use.event, a, command_order(filter, task.machine),
+      return displacement_left(velocity_changes(sampled.command, use.event, a, last_of_command(filter, task.machine),
                                                 delays[j], task.corners[j].geometry()),
                                use.frequency, use.damping, task.sample_period);
     }
@@ -295,7 +296,7 @@ DesignResult evaluate_task(const Task& task) {
 }
 
 std::string describe(const LimitUse& use) {
-  std::string text(to_string(use.kind));
+  std::string text(limit_word(use.kind, use.axis));
   std::replace(text.begin(), text.end(), '_', ' ');
   if (!use.axis.empty()) text += " " + use.axis;
   text +=

@@ -231,41 +231,13 @@ struct PlanningProblem {
 /// Plans and verifies a program with a given filter. `feasible` only if every joint holds its tolerance and every axis
 /// limit and vibration bound is held over the whole program, else `failed` with the worst in the message. With
 /// Feeds::choose the plan at the programmed feeds is a candidate, so that the answer is never slower than it.
-/// @param known  a plan that held (ProgramFilter::plan): it is a candidate if the deadline is over
+/// @param known  a plan that held: it is a candidate if the deadline is over
 ProgramResult run_program(PlanningProblem problem, const Filter& filter, const KnownPlan& known = {});
 
 /// Plans profiles, samples and verifies them. The bounds are left to whoever asks for them.
 /// @throws std::invalid_argument for vibration bounds that no last filter holds, and for delays that the program brings
 ///         along: they belong to a filter that this plan does not have
 ProgramResult run_profiles(PlanningProblem problem);
-
-/// Fills in what follows from the plan, its errors and the uses of its axis limits: counts and the worst of the joints,
-/// vibration, whether all holds.
-/// @param machine  as many axes as the path
-/// @param alone    smallest delays of the plan's joints alone, samples, one a block; empty: they are found
-void judge_program(ProgramResult& result, const Machine& machine, const std::vector<int>& alone = {});
-
-/// The abilities that a control needs for this plan, one part of a sentence each: "step its feed ..".
-std::vector<std::string> control_needs(const ProgramResult& result);
-
-/// Blocks of a path as it was read; the chords of an arc are one.
-std::size_t blocks_of(const Toolpath& programmed);
-
-/// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
-double largest_widening(const Toolpath& path);
-
-/// A joint and the part of its tolerance that it uses.
-struct CornerUse {
-  std::uint32_t line = 0;    ///< of the block that ends in it
-  double error = 0.0;        ///< m
-  double tolerance = 0.0;    ///< m
-  double utilisation = 0.0;  ///< of the tolerance
-  int delay = 0;             ///< samples; 0 of a trajectory
-};
-/// The joints with the largest errors against their tolerances, worst first, at most `count`; in the order of the
-/// program where equal. Joints that follow each other on one line of the program, such as chords of an arc, appear
-/// once, with the worst error.
-std::vector<CornerUse> worst_corners(const ProgramResult& result, std::size_t count);
 
 /// Ends with a line feed.
 std::string program_to_json(const ProgramResult& result);
@@ -283,32 +255,6 @@ std::string program_summary(const ProgramResult& result);
 /// of its file; only its in-position, exact-stop and continuous corners then stand in the program.
 /// @throws std::invalid_argument if the controller's file has no words for what the plan needs
 void emit_program(const ProgramResult& result, std::ostream& out);
-
-/// The filter for a program whose task leaves it open. Candidates are designed for the representative task, by
-/// `design_task` and among the standard shapes. A search over trapezoids judges each by the whole program. The result
-/// is the candidate with the shortest time of the whole program, with exact delays of every corner.
-struct ProgramFilter {
-  std::optional<Filter> filter;             ///< none when no candidate holds the limits; the reason is in the message
-  std::optional<ProgramSettings> settings;  ///< of a control, which these are
-  SolverReport solver;
-  std::string message;
-  bool designed = false;  ///< for this program, not given
-  KnownPlan plan;         ///< by which it was chosen, if that was simulated and held
-};
-/// @param time_limit  s, for the design by `design_task`  @param progress  one line a step, may be empty
-/// @param deadline    of the whole command: ends the comparison of designs by their plans
-ProgramFilter design_program_filter(const Toolpath& path, const Task& task, double time_limit,
-                                    const std::function<void(const std::string&)>& progress,
-                                    const Deadline& deadline = {});
-
-/// The filter for a program whose feeds are chosen. It is the best trapezoid. If none holds, or if vibration bounds,
-/// force, power or a jerk limit alone may favour other taps, the filter of design_program_filter is tried too. It is
-/// taken if it is faster by a plan of the program.
-/// @param time_limit  s; a fraction of it for the search
-/// @param deadline    as of design_program_filter
-ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, double time_limit,
-                                      const std::function<void(const std::string&)>& progress,
-                                      const Deadline& deadline = {});
 
 /// The plans of a program.
 ///
@@ -361,12 +307,6 @@ struct ProgramFile {
   ToolpathOptions reading{};
   bool interpreted = false;  ///< by rs274
 };
-
-/// Largest distance in m of chords from their arcs so that planning them is like planning the arc. It is the sagitta a
-/// T^2/8 that the arc's fastest motion, v = sqrt(a R), passes in a sample, for any radius. Here a is the smallest
-/// acceleration limit of an axis. Longer chords turn the velocity in larger steps than the arc does from sample to
-/// sample, and the limits must leave room for that. It is at most 2 um, also without a limit, and at least 0.1 um.
-double chord_tolerance(const Task& task);
 
 /// The toolpath by our own reader, or through rs274 if only an interpreter of the whole language understands the
 /// program.

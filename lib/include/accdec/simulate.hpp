@@ -192,6 +192,7 @@ struct Toolpath {
   /// The point that the motion must pass; errors are measured from it.
   const double* programmed_point(std::size_t i) const { return programmed_points() + i * axes.size(); }
   const double* programmed_points() const { return programmed.empty() ? points.data() : programmed.data(); }
+  double length(std::size_t b) const;  ///< m, of a block
   std::string axis_name(std::size_t dimension) const;
   double dwells() const;                                                             ///< of the whole program, s
   std::span<const std::pair<std::uint32_t, double>> dwells_at(std::size_t b) const;  ///< at the end of block b
@@ -266,11 +267,6 @@ struct ProfileChain {
   }
 };
 
-/// Computes speeds of all corners and peaks of all legs. Each corner gets a share of every leg that is too short for
-/// both its corners. A backward pass covers braking, a forward pass speeding up. Then rounds raise each corner as far
-/// as its neighbours allow. O(blocks). The result can be driven.
-void look_ahead(ProfileChain& chain);
-
 /// Straight moves at their feeds, with a delay after each, through one filter: what a control with a filter runs.
 struct FilteredCommand {
   Filter filter{{1.0}};     ///< all that acts on the command: what is set, and behind it the control's own smoothing
@@ -313,9 +309,6 @@ struct Plan {
   const char* name() const { return command() != nullptr ? "fixed" : trajectory()->is_free() ? "free" : "profiles"; }
   bool empty() const { return path.blocks() == 0; }
 };
-
-/// Whether the motion comes to rest at the end of a block.
-bool rests_after(const Plan& plan, std::size_t block);
 
 /// One sample of a motion.
 struct Sample {

@@ -14,7 +14,8 @@ export const withFilter = (task, filter) => ({
 function wanted(task, families, { beside }) {
   if (filterOfToday(task) && (beside ?? "today") === "today") return null;
   const held = families.filter((f) => f.filter);
-  return held.find((f) => f.name === beside) ?? (filterOfToday(task) ? null : held.sort((a, b) => a.objective_s - b.objective_s)[0] ?? null);
+  const chosen = held.find((f) => f.name === beside);
+  return chosen ?? (filterOfToday(task) ? null : held.sort((a, b) => a.objective_s - b.objective_s)[0] ?? null);
 }
 
 export class Beside {

@@ -68,7 +68,8 @@ export class FilterCharts {
     const least = Math.min(...lines.flatMap(({ values }) => values), ...modes.map((m) => m.residual_max ?? 1));
     const low = Math.min(0.1, Math.max(1e-4, 10 ** Math.floor(Math.log10(least))));
     this.heading.textContent = `Vibration left over frequency / Hz${largest(result.limits)}`;
-    this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra: (plot) => bands(plot, modes, result.limits) });
+    const extra = (plot) => bands(plot, modes, result.limits);
+    this.response.show(lines, [], { period: step, x: [0, high], y: [low, 1.5], extra });
   }
 }
 

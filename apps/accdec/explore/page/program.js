@@ -184,7 +184,8 @@ function tables() {
   const bounds = plan.bounds.map(({ name, time_s, motions, complete }) => {
     const [holds, ...more] = motions.split("; ");
     if (more.length) notes.push(make("p", { class: "small" }, `${name}: ${more.join("; ")}.`));
-    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), complete ? holds : `${holds} (unfinished: with more time it may be larger)`];
+    const what = complete ? holds : `${holds} (unfinished: with more time it may be larger)`;
+    return [name, time_s.toFixed(4), ((100 * time_s) / plan.cycle_time_s).toFixed(2), what];
   });
   const head = ["bound", "time / s", "of this plan / %", "holds for"];
   $("#bounds").replaceChildren(

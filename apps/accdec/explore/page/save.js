@@ -76,13 +76,15 @@ function sayChoices(copy) {
   const chosen = copy.querySelector("#corners:not([hidden]) [aria-pressed=true]");
   if (chosen) {
     const names = [...chosen.parentElement.children].map((button) => button.textContent);
-    chosen.parentElement.replaceChildren("Corner shown: ", make("b", {}, chosen.textContent), ` (of ${names.join(", ")})`);
+    const shown = make("b", {}, chosen.textContent);
+    chosen.parentElement.replaceChildren("Corner shown: ", shown, ` (of ${names.join(", ")})`);
   }
   for (const group of copy.querySelectorAll("#plans, #colour-by")) {
     const others = [...group.querySelectorAll("[aria-pressed=false]")];
     const shown = group.querySelector("[aria-pressed=true]");
     if (group.id === "colour-by") others.forEach((button) => button.remove());
-    else if (others.length) group.append(make("span", {}, ` (other plans: ${others.map((b) => b.textContent).join("; ")})`));
+    else if (others.length)
+      group.append(make("span", {}, ` (other plans: ${others.map((b) => b.textContent).join("; ")})`));
     others.forEach((button) => button.remove());
     if (shown && group.id === "plans") shown.replaceWith(make("b", {}, shown.textContent));
     else shown?.remove();
@@ -106,7 +108,10 @@ export async function frozen(change = () => {}) {
     canvas.replaceWith(image);
   });
   copy
-    .querySelectorAll("script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, .more, .group .tools, input[type=range]")
+    .querySelectorAll(
+      "script, link, #tools, .hint, #corner .tools, .range label, #explain, button.add, button.drop, .more, " +
+        ".group .tools, input[type=range]",
+    )
     .forEach((e) => e.remove());
   const wanted = [...copy.querySelectorAll("[tabindex]")];
   wanted.forEach((e) => e.removeAttribute("tabindex"));

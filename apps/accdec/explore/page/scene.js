@@ -25,7 +25,8 @@ export class Scene {
   }
 
   home() {
-    const spans = this.lines[0].places.map((v) => v.reduce(([a, b], x) => [Math.min(a, x), Math.max(b, x)], [Infinity, -Infinity]));
+    const wider = ([a, b], x) => [Math.min(a, x), Math.max(b, x)];
+    const spans = this.lines[0].places.map((v) => v.reduce(wider, [Infinity, -Infinity]));
     this.centre = spans.map(([a, b]) => (a + b) / 2);
     this.size = Math.max(1e-6, Math.hypot(...spans.map(([a, b]) => b - a)));
     Object.assign(this, { yaw: -35 * degree, pitch: 30 * degree, zoom: 1, shift: [0, 0] });

@@ -65,13 +65,16 @@ export class Shades {
   /** A bar with the speeds of its colours. */
   bar() {
     const [left, width] = [14, 340];
-    const bar = make("svg", { class: "colourbar", viewBox: "0 0 400 34", role: "img", "aria-label": "colours of speeds in mm/s" });
+    const said = "colours of speeds in mm/s";
+    const bar = make("svg", { class: "colourbar", viewBox: "0 0 400 34", role: "img", "aria-label": said });
+    const each = width / (count + 1);
     this.shades.forEach((fill, n) =>
-      bar.append(make("rect", { x: left + (n * width) / (count + 1), y: 2, width: width / (count + 1) + 0.5, height: 12, fill })),
+      bar.append(make("rect", { x: left + (n * width) / (count + 1), y: 2, width: each + 0.5, height: 12, fill })),
     );
     for (const v of this.ticks()) {
       const x = left + width * this.at(v);
-      bar.append(make("line", { class: "tick", x1: x, x2: x, y1: 14, y2: 18 }), make("text", { x, y: 31, "text-anchor": "middle" }, four(v)));
+      bar.append(make("line", { class: "tick", x1: x, x2: x, y1: 14, y2: 18 }));
+      bar.append(make("text", { x, y: 31, "text-anchor": "middle" }, four(v)));
     }
     bar.append(make("text", { x: left + width + 8, y: 12 }, "mm/s"));
     return bar;

@@ -5,7 +5,10 @@ const names = ["plan", "by", "view", "time", "corner", "at"];
 const dragged = ["view", "time"];
 
 export class Shown {
-  /** show(now, before): called with the new state and the one before, of texts by `names`; "" is what a page begins with. */
+  /**
+   * show(now, before): called with the new state and the one before, of texts by `names`; "" is what a page begins
+   * with.
+   */
   constructor(show) {
     Object.assign(this, { told: show, history: new History(), now: this.fromAddress() });
     addEventListener("hashchange", () => {
@@ -21,7 +24,8 @@ export class Shown {
   toAddress() {
     clearTimeout(this.writing);
     this.writing = setTimeout(() => {
-      const words = names.filter((name) => this.now[name]).map((name) => `${name}=${encodeURIComponent(this.now[name])}`);
+      const word = (name) => `${name}=${encodeURIComponent(this.now[name])}`;
+      const words = names.filter((name) => this.now[name]).map(word);
       history.replaceState(null, "", words.length ? `#${words.join("&")}` : location.pathname);
     }, 200);
   }

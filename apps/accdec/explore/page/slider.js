@@ -9,7 +9,8 @@ const round = (x) => Number(x.toPrecision(3));
 
 /** Multiples of a number: places, and what they are. */
 function multiplesOf(grain, key, value) {
-  const whole = scaleOf({ type: "integer", low: key.open_low ? 1 : 0, high: key.high / grain }, Math.round(value / grain));
+  const count = { type: "integer", low: key.open_low ? 1 : 0, high: key.high / grain };
+  const whole = scaleOf(count, Math.round(value / grain));
   const exact = (n) => Number((n * grain).toPrecision(12));
   return {
     grain,
@@ -105,7 +106,8 @@ function onComma(number, refuse) {
 }
 
 /** While a field holds no number, the answer on the page is not about what it shows. */
-export const markUnread = () => document.body.classList.toggle("unread", Boolean(document.querySelector("#controls .wrong")));
+export const markUnread = () =>
+  document.body.classList.toggle("unread", Boolean(document.querySelector("#controls .wrong")));
 
 /** @returns the element, and what shows a new value in it */
 export function slider(key, id, now, put) {

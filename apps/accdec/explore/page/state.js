@@ -33,7 +33,8 @@ function apply(task, changes) {
 /** The choices beside the task, as they stand in the address. */
 const kinds = { corner: "number", beside: "string", whole: "boolean", planned: "boolean" };
 const isTable = (value) => value?.constructor === Object;
-const isTask = (task) => isTable(task) && ["axis", "corner", "mode"].every((name) => [task[name] ?? []].flat().every(isTable));
+const isTask = (task) =>
+  isTable(task) && ["axis", "corner", "mode"].every((name) => [task[name] ?? []].flat().every(isTable));
 
 /** A whole number from 0 on; 0 for what is none. */
 function numberOf(text) {

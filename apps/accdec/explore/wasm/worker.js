@@ -16,7 +16,12 @@ onmessage = async ({ data }) => {
     const at =
       name === "start"
         ? l._accdec_start()
-        : l.ccall("accdec_answer", "number", ["string", "string", "string", "number", "number", "boolean"], [name, body, format, corner, seconds, whole]);
+        : l.ccall(
+            "accdec_answer",
+            "number",
+            ["string", "string", "string", "number", "number", "boolean"],
+            [name, body, format, corner, seconds, whole],
+          );
     const bytes = l.HEAPU8.slice(at, at + l._accdec_length());
     postMessage({ status: l._accdec_status(), type: l.UTF8ToString(l._accdec_type()), bytes }, [bytes.buffer]);
   } catch (error) {

@@ -187,10 +187,7 @@ void Repair::accept(std::size_t first, std::size_t last) {
 int Repair::raised(std::size_t joint, int step) const {
   const int least = std::min(settled_, delays_[joint] + step);
   if (path_.control.any()) return least;
-  double length = 0.0;
-  for (std::size_t a = 0; a < path_.dimensions(); ++a)
-    length = std::hypot(length, path_.point(joint + 1)[a] - path_.point(joint)[a]);
-  const double way = length / path_.duration[joint] * timing_.sample_period();
+  const double way = path_.length(joint) / path_.duration[joint] * timing_.sample_period();
   return std::max(delays_[joint], control_delay(path_.control, filter_, way, least).value_or(least));
 }
 

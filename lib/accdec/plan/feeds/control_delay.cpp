@@ -15,6 +15,12 @@ ControlDelays control_of(const ControllerSettings& settings, double width) {
   return control;
 }
 
+ControlDelays planned_control(const ControllerSettings& settings, double width) {
+  ControlDelays control = control_of(settings, width);
+  if (!(width > 0.0) && control.kinds.size() > 1) std::erase(control.kinds, DelayKind::in_position);
+  return control;
+}
+
 bool runs_on(const ControlDelays& control) {
   return !control.any() && !control.names(DelayKind::exact_stop) && !control.names(DelayKind::in_position);
 }
@@ -35,10 +41,7 @@ double corner_feed_step_of(const std::optional<ControllerSettings>& settings) {
 }
 
 double commanded_feed(const Toolpath& path, std::size_t b) {
-  double length = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-  return length / path.duration[b];
+  return path.length(b) / path.duration[b];
 }
 
 std::array<double, 2> corner_feed_whole(const Toolpath& path, std::size_t b) {

@@ -14,6 +14,8 @@ namespace accdec {
 /// planner chooses (Feeds::choose) and --emit writes as F words. Such a control does the same at a lower feed
 /// as at the whole feed: DelayKind::continuous.
 ControlDelays control_of(const ControllerSettings& settings, double width);
+/// The same for a plan. Without a width a control that has other kinds of delays plans as one without "in-position".
+ControlDelays planned_control(const ControllerSettings& settings, double width);
 
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.
 bool runs_on(const ControlDelays& control);

@@ -14,6 +14,7 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/feeds/stretched.hpp>
+#include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
 #include <accdec/plan/filters/representative_task.hpp>
 #include <accdec/program.hpp>

@@ -31,6 +31,8 @@ class MemberSearch {
     if (today != nullptr) {
       for (const SettableMember& member : members_.like(*today)) offer(member);
     }
+    // One that holds at all feeds shows early which others are not faster.
+    for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
     guess_all();
     plan_guessed(first_planned);
     if (best_) {
@@ -42,6 +44,7 @@ class MemberSearch {
       }
     }
     plan_guessed(guesses_.size());
+    if (best_) members_.sort_near(*best_);
     const std::vector<SettableMember>& all = members_.all();
     bool passed = true;
     for (const SettableMember& member : all) passed = (planned_.contains(member.key()) || look(member)) && passed;
@@ -49,10 +52,14 @@ class MemberSearch {
     if (!best_) return std::nullopt;
     ProgramSettings result{.chosen = members_.chosen(*best_), .width = time_.width};
     result.members = static_cast<long>(all.size());
-    result.tried = static_cast<long>(planned_.size());
+    before_.insert(planned_.begin(), planned_.end());
+    result.tried = static_cast<long>(before_.size());
     result.complete = passed && members_.listed();
     return result;
   }
+
+  /// Begins with the best of a search among fewer kinds of delays.
+  void begin_with(const MemberSearch& fewer) { best_ = fewer.best_, time_ = fewer.time_, before_ = fewer.planned_; }
 
  private:
   using Guess = SettingsTrials::Guess;
@@ -63,9 +70,16 @@ class MemberSearch {
   /// Once the time is over. If none holds by then, a few more are planned.
   bool late() const { return deadline_.over() && (best_ || late_ >= most_late); }
 
-  /// The best guess, for want of a plan that holds: a slower plan with it may.
+  /// A guess for want of a plan that holds: a slower plan with it may. The setting that holds at all feeds does most
+  /// likely, else the best guess.
   void take_guess() {
     double least = unlimited;
+    for (const SettableMember& member : trials_.at_feed(members_)) {
+      const auto at = guesses_.find(member.key());
+      if (at == guesses_.end() || !(at->second.second.best.samples < unlimited)) continue;
+      best_ = member, time_.width = at->second.second.best.width;
+      return;
+    }
     for (const auto& [key, guessed] : guesses_) {
       const TimedSetting& time = guessed.second.best;
       if (time.samples < least) best_ = guessed.first, time_.width = time.width, least = time.samples;
@@ -147,8 +161,8 @@ class MemberSearch {
   const std::function<void(const std::string&)>& tell_;
   SettableMembers members_;
   std::map<std::vector<int>, std::pair<SettableMember, Guess>> guesses_;
-  std::set<std::vector<int>> planned_;
-  int late_ = 0;  // planned after the time was over
+  std::set<std::vector<int>> planned_, before_;  // before: with fewer kinds of delays
+  int late_ = 0;                                 // planned after the time was over
   std::optional<SettableMember> best_;
   TimedSetting time_;
 };
@@ -159,7 +173,20 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
                                                     const Deadline& deadline,
                                                     const std::function<void(const std::string&)>& tell) {
   const SettingsTrials trials(path, task, keep, deadline);
-  return MemberSearch(task, trials, deadline, tell).run(todays_filter(task));
+  MemberSearch search(task, trials, deadline, tell);
+  const ControlDelays narrow = planned_control(*task.settings, 0.0);
+  if (!task.settings->names(DelayKind::in_position) || narrow.names(DelayKind::in_position))
+    return search.run(todays_filter(task));
+  // Widths take many plans a member. The settings without any are known first.
+  constexpr double part_of_fewer = 0.6;
+  Task fewer = task;
+  std::erase(fewer.settings->delays, DelayKind::in_position);
+  const Deadline until = deadline.within(part_of_fewer * deadline.left());
+  const SettingsTrials plain(path, fewer, keep, until);
+  MemberSearch first(fewer, plain, until, tell);
+  first.run(todays_filter(task));
+  search.begin_with(first);
+  return search.run(todays_filter(task));
 }
 
 const FilterSpec* todays_filter(const Task& task) {
@@ -253,8 +280,8 @@ std::string program_settings_answer(const ProgramResult& result) {
   else
     text += settings.complete
                 ? fmt::format("no other of {} settings is planned faster.", settings.members)
-                : fmt::format("the fastest of {} settings planned, of {}{}.", settings.tried, settings.members,
-                              settings.members >= SettableMembers::most ? " or more" : "");
+                : fmt::format("the fastest of those tried: {} of {}{} settings planned; time limit.", settings.tried,
+                              settings.members, settings.members >= SettableMembers::most ? " or more" : "");
   if (settings.free_taps) text += beside_free_taps(*settings.free_taps, time);
   return text + beside_today(result) + "\n";
 }

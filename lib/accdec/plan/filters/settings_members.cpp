@@ -148,8 +148,24 @@ std::vector<SettableMember> SettableMembers::like(const FilterSpec& filter) cons
   return members;
 }
 
+std::vector<SettableMember> SettableMembers::at_feed(double velocity, double acceleration, double jerk) const {
+  FilterSpec ramps{.kind = Shape::averages};
+  const double longest = task_.design.order_max + 1.0;
+  for (const double time : {velocity / acceleration, jerk < unlimited ? acceleration / jerk : 0.0})
+    ramps.lengths.push_back(static_cast<int>(std::clamp(std::ceil(time / task_.sample_period), 1.0, longest)));
+  std::vector<SettableMember> members = like(ramps);
+  if (!members.empty()) return members;
+  // Other families are about as long.
+  const int order = ramps.lengths[0] + ramps.lengths[1] - 2;
+  for (const SettableMember& member : spread()) {
+    if (member.order() >= order) return {member};
+  }
+  return {};
+}
+
 int SettableMembers::coarse_step(const SettableMember& member) const {
-  return std::max(1, *std::max_element(member.lengths.begin(), member.lengths.end()) / 8);
+  constexpr int least = 4;  // shorter steps end at neighbours that differ by little
+  return std::max(least, *std::max_element(member.lengths.begin(), member.lengths.end()) / 8);
 }
 
 std::vector<SettableMember> SettableMembers::around(const SettableMember& member, int step) const {
@@ -179,6 +195,17 @@ std::vector<SettableMember> SettableMembers::around(const SettableMember& member
     }
   }
   return members;
+}
+
+void SettableMembers::sort_near(const SettableMember& member) {
+  const auto distance = [&](const SettableMember& other) {
+    double sum = member.family == other.family ? std::abs(member.spec.pair_delay - other.spec.pair_delay) : 1e6;
+    for (std::size_t s = 0; s < std::min(member.lengths.size(), other.lengths.size()); ++s)
+      sum += std::abs(member.lengths[s] - other.lengths[s]);
+    return sum;
+  };
+  std::stable_sort(all_.begin(), all_.end(),
+                   [&](const SettableMember& a, const SettableMember& b) { return distance(a) < distance(b); });
 }
 
 const ShaperInfo* SettableMembers::shaper_behind(SettingFamily family) const {

@@ -29,12 +29,16 @@ class SettableMembers {
   std::vector<SettableMember> spread() const;
   /// The nearest members to a filter; none if it is no cascade of averages.
   std::vector<SettableMember> like(const FilterSpec& filter) const;
+  /// The members with which a start or stop at a feed keeps to its limits: v/a and a/j. @param jerk  unlimited: none
+  std::vector<SettableMember> at_feed(double velocity, double acceleration, double jerk) const;
   /// Members with one or two times changed by about `step` samples.
   std::vector<SettableMember> around(const SettableMember& member, int step) const;
-  /// An eighth of the longest time, samples.
+  /// An eighth of the longest time, samples, or a few.
   int coarse_step(const SettableMember& member) const;
   /// All members, the shortest filters first; at most `most`.
   const std::vector<SettableMember>& all() const { return all_; }
+  /// Puts those first that differ least from a member.
+  void sort_near(const SettableMember& member);
   /// Whether that is all.
   bool listed() const { return listed_; }
   /// In the controller's words.

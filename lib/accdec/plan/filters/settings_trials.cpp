@@ -9,6 +9,7 @@
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/verify.hpp>
@@ -19,19 +20,12 @@ namespace {
 /// Programs of at most so many blocks are planned at the programmed feeds, too, and repaired to the end.
 constexpr std::size_t small_program = 2'000;
 
-double length_of(const Toolpath& path, std::size_t b) {
-  double length = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-  return length;
-}
-
 /// m, of a full-speed sample of a block: the way that the control watches.
 double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis) {
   double longest = 0.0;
   for (std::size_t a = 0; a < path.dimensions(); ++a)
     longest = std::max(longest, std::abs(path.point(b + 1)[a] - path.point(b)[a]));
-  return (by_axis ? longest : length_of(path, b)) / path.duration[b] * period;
+  return (by_axis ? longest : path.length(b)) / path.duration[b] * period;
 }
 
 /// A program at its feeds, every corner with the delay that it needs by itself.
@@ -92,7 +86,16 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     const bool by_axis = task.settings && task.settings->in_position_by_axis;
     step_ = std::max(step_, step_of(path, b, task.sample_period, by_axis));
   }
+  for (std::size_t b = 0; b < path.blocks(); ++b) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
   moving_ = std::floor(time * (1.0 - snapped_part) / task.sample_period);
+}
+
+std::vector<SettableMember> SettingsTrials::at_feed(const SettableMembers& members) const {
+  double acceleration = unlimited, jerk = unlimited;
+  for (const Axis& axis : machine_.axes)
+    acceleration = std::min(acceleration, axis.acceleration_max), jerk = std::min(jerk, axis.jerk_max);
+  if (!(acceleration < unlimited)) return {};
+  return members.at_feed(fastest_, acceleration, jerk);
 }
 
 std::optional<Filter> SettingsTrials::command(const Filter& set) const {
@@ -102,6 +105,10 @@ std::optional<Filter> SettingsTrials::command(const Filter& set) const {
                                  [](const LimitUse& use) { return use.utilisation > 1.0 + verification_tolerance; });
   if (rings) return std::nullopt;
   return filter;
+}
+
+bool SettingsTrials::has_widths() const {
+  return task_.settings->names(DelayKind::in_position) && step_ > 0.0;
 }
 
 double SettingsTrials::width_of(const Filter& filter, int delay) const {
@@ -116,7 +123,7 @@ void SettingsTrials::search_width(const Filter& filter, int from, int step, cons
   for (; step >= 1; step /= 2) {
     for (const int delay : {from - step, from + step}) {
       if (delay < 0 || delay > filter.order() || deadline_.over()) continue;
-      const double width = width_of(filter, delay), samples = time(control_of(*task_.settings, width));
+      const double width = width_of(filter, delay), samples = time(planned_control(*task_.settings, width));
       if (samples < best.samples) best = {samples, width}, from = delay;
     }
   }
@@ -134,14 +141,14 @@ SettingsTrials::Guess SettingsTrials::guess(const Filter& set) const {
     return kept ? std::min(chosen, pairwise.with(control)) : chosen;
   };
   guess.any = time({});
-  const ControlDelays control = control_of(*task_.settings, 0.0);
+  const ControlDelays control = planned_control(*task_.settings, 0.0);
   if (control.any()) return guess.best.samples = guess.any, guess;
   guess.best.samples = time(control);
-  if (!control.names(DelayKind::in_position) || !(step_ > 0.0)) return guess;
+  if (!has_widths()) return guess;
   const int coarse = std::max(1, filter.order() / 8);
   int middle = filter.order() / 2;
   for (int delay = 0; delay <= filter.order() && !deadline_.over(); delay += coarse) {
-    const double width = width_of(filter, delay), samples = time(control_of(*task_.settings, width));
+    const double width = width_of(filter, delay), samples = time(planned_control(*task_.settings, width));
     if (samples < guess.best.samples) guess.best = {samples, width}, middle = delay;
   }
   search_width(filter, middle, coarse / 2, time, guess.best);
@@ -152,17 +159,20 @@ TimedSetting SettingsTrials::plan(const Filter& set, const Guess& guess, bool th
   const std::optional<Filter> behind = command(set);
   if (!behind) return {};
   const Filter& filter = *behind;
-  const ControlDelays control = control_of(*task_.settings, guess.best.width);
-  TimedSetting best{planned(filter, control), guess.best.width};
-  if (control.any() || !control.names(DelayKind::in_position) || !(step_ > 0.0)) return best;
-  const auto time = [&](const ControlDelays& with) { return planned(filter, with); };
+  const ControlDelays control = planned_control(*task_.settings, guess.best.width);
+  // Without a plan that holds there is no answer: one takes its time even if there is none left.
+  constexpr double for_one = 0.5;  // s
+  const Deadline until = thorough && deadline_.over() && !deadline_.asked_to_end() ? Deadline(for_one) : deadline_;
+  TimedSetting best{planned(filter, control, until), guess.best.width};
+  if (control.any() || !has_widths()) return best;
+  const auto time = [&](const ControlDelays& with) { return planned(filter, with, deadline_); };
   int nearest = filter.order();
   while (nearest > 0 && width_of(filter, nearest) < guess.best.width * (1.0 - 1e-9)) --nearest;
   const int coarse = std::max(1, filter.order() / 8);
   for (int delay = 0; thorough && !(best.samples < unlimited) && delay <= filter.order(); delay += coarse) {
     if (deadline_.over()) break;
     const double width = width_of(filter, delay);
-    best = {time(control_of(*task_.settings, width)), width}, nearest = delay;
+    best = {time(planned_control(*task_.settings, width)), width}, nearest = delay;
   }
   search_width(filter, nearest, std::max(1, coarse / 2), time, best);
   return best;
@@ -175,7 +185,7 @@ double SettingsTrials::scheduled(const Filter& filter, const ControlDelays& cont
       schedule_feeds(path, filter, task_.sample_period, machine_, 0, deadline_, feed_step_).plan.simulation.samples);
 }
 
-double SettingsTrials::planned(const Filter& filter, const ControlDelays& control) const {
+double SettingsTrials::planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const {
   Toolpath path = path_;
   path.control = control;
   double best = unlimited;
@@ -187,13 +197,13 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   const bool small = path.blocks() <= small_program;
   if (!keep_) {
     const ScheduledPlan chosen =
-        schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, deadline_, feed_step_);
+        schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, until, feed_step_);
     take(chosen.path, chosen.plan);
   }
   if (keep_ || small) {
     limit_rapids(path, filter, task_.sample_period, machine_);
     snap_durations(path, filter, task_.sample_period, machine_);
-    ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, deadline_);
+    ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, until);
     take(path, std::move(plan));
   }
   return best;

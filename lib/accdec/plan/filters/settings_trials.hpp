@@ -7,6 +7,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
 
@@ -28,6 +29,9 @@ class SettingsTrials {
   /// Samples that no plan with a filter of this order undercuts: way over feed, and the filter once a run.
   double least(int order) const { return moving_ + (stops_ + 1.0) * order + 1.0; }
 
+  /// The members that start and stop at the program's highest feed within the weakest axis' limits.
+  std::vector<SettableMember> at_feed(const SettableMembers& members) const;
+
   struct Guess {
     double any = unlimited;  ///< samples, with delays of any number of samples
     TimedSetting best{};     ///< with the delays of the control, at the width that suits it best
@@ -41,10 +45,11 @@ class SettingsTrials {
   TimedSetting plan(const Filter& set, const Guess& guess, bool thorough) const;
 
  private:
-  double planned(const Filter& filter, const ControlDelays& control) const;
+  double planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const;
   double scheduled(const Filter& filter, const ControlDelays& control) const;
   /// The filter of the command, behind the control's own smoothing; none if it excites a mode too much.
   std::optional<Filter> command(const Filter& set) const;
+  bool has_widths() const;
   /// In the middle of the widths that give this delay at the fastest corner.
   double width_of(const Filter& filter, int delay) const;
   template <class Time>
@@ -57,7 +62,8 @@ class SettingsTrials {
   const Deadline& deadline_;
   double feed_step_;  // see corner_feed_step_of
   double moving_ = 0.0, stops_ = 0.0;
-  double step_ = 0.0;  // m, of the fastest corner
+  double step_ = 0.0;     // m, of the fastest corner
+  double fastest_ = 0.0;  // m/s, programmed
 };
 
 }  // namespace accdec

@@ -12,11 +12,12 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
-#include <accdec/plan/result/fastest_plan.hpp>
-#include <accdec/plan/result/other_rules.hpp>
-#include <accdec/plan/result/program_departure.hpp>
-#include <accdec/plan/result/verify_delay_kinds.hpp>
-#include <accdec/plan/result/verify_program_result.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/verify/program_departure.hpp>
+#include <accdec/plan/verify/verify_delay_kinds.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 #include <accdec/task/blend_limits.hpp>
 
 namespace accdec {

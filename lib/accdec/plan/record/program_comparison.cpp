@@ -10,7 +10,7 @@
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
 #include <accdec/plan/record/program_versions.hpp>
-#include <accdec/plan/result/samples.hpp>
+#include <accdec/plan/report/samples.hpp>
 
 namespace accdec {
 namespace {

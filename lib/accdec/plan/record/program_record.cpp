@@ -24,6 +24,7 @@
 #include <accdec/plan/record/recorded_corner_bound.hpp>
 #include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {
@@ -52,7 +53,7 @@ class Reader {
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
     if (r.settings && record_.task.settings) {
       const auto& width = r.settings->chosen.width;
-      r.plan.path.control = control_of(*record_.task.settings, width ? width->middle() : 0.0);
+      r.plan.path.control = planned_control(*record_.task.settings, width ? width->middle() : 0.0);
     }
     set_behind_response();
     if (record_.commands && r.sample_period != record_.task.sample_period)

@@ -5,6 +5,7 @@
 
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/record/program_versions.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/trajectory/last_filter.hpp>
 
 namespace accdec {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/plan/trajectory/chain_maker.hpp>
+#include <accdec/plan/trajectory/look_ahead.hpp>
 #include <accdec/plan/trajectory/profile_corner.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include <accdec/plan/trajectory/look_ahead.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {

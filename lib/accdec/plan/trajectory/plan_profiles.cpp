@@ -69,12 +69,7 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
 /// m/s, of the blocks at their feeds.
 double fastest(const Toolpath& path) {
   double speed = 0.0;
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    double length = 0.0;
-    for (std::size_t a = 0; a < path.dimensions(); ++a)
-      length = std::hypot(length, path.point(b + 1)[a] - path.point(b)[a]);
-    speed = std::max(speed, length / path.duration[b]);
-  }
+  for (std::size_t b = 0; b < path.blocks(); ++b) speed = std::max(speed, path.length(b) / path.duration[b]);
   return speed;
 }
 

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <accdec/bounds/any_motion_bound.hpp>
+#include <accdec/bounds/corner_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/files.hpp>
+#include <accdec/plan/run/along_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+
+namespace accdec {
+PlanTime time_of(const ProgramResult& r) {
+  // Only profiles may be without a plan, where checking its samples takes longer than the time limit.
+  return {r.plan.empty() ? "profiles" : r.plan.name(), r.cycle_time, r.verification.feasible,
+          r.verification.feasible ? "" : r.verification.worst};
+}
+
+void require_plan(const ProgramResult& result) {
+  if (result.plan.empty()) throw std::invalid_argument(result.message + "; give --time-limit longer");
+}
+
+ProgramResult plan_profiles_of(PlanningProblem problem) {
+  const double bound = program_lower_bound(problem.path, program_machine(problem.task.machine, problem.path),
+                                           problem.task.sample_period);
+  ProgramResult result = run_profiles(std::move(problem));
+  result.lower_bound = bound;
+  return result;
+}
+
+CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool thorough) {
+  const Machine machine = program_machine(task.machine, path);
+  const double left = deadline.left(), limit = left < unlimited ? std::max(0.0, 0.15 * left) : 10.0;
+  CornerBound bound = program_corner_bound(path, machine, task.sample_period, limit);
+  // A plan needs a short time more than its bound.
+  const double for_motions = left < unlimited ? limit : 3.0 * limit;
+  const AnyMotionBound any =
+      any_motion_bound(path, machine, task.sample_period, thorough ? for_motions : limit, thorough);
+  bound.any_motion = any.time, bound.any_motion_complete = any.complete;
+  bound.time = std::max(bound.time, bound.any_motion);
+  return bound;
+}
+
+CornerBound corner_bound_as_read(const CornerBound& known, double chords, const ProgramResult& answer, const Task& task,
+                                 ProgramFileOptions options) {
+  options.arc_tolerance = answer.reading.read.arc_tolerance;
+  if (*options.arc_tolerance == chords) return known;
+  return corner_bound_of(read_program_file(answer.program, task, options, {}).path, task, options.deadline);
+}
+
+namespace {
+
+ProgramResult faster_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                          const std::function<void(const std::string&)>& tell) {
+  if (options.fixed.feeds == Feeds::keep) {
+    throw std::invalid_argument(
+        "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
+  }
+  // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
+  const bool several = file.path.blocks() <= several_plans_max;
+  const double chords = file.reading.read.arc_tolerance;
+  // If checking its samples takes all the time there is, one filter may still be planned.
+  const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
+  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
+  profiles.reading = file.reading;
+  const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
+  if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
+  const bool late = !several || options.deadline.over();
+  if (late && holds) return profiles;
+  std::optional<AlongPlan> along;
+  if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
+  ProgramResult other = run_fixed_plan(file, task, options, tell);
+  ProgramResult& best = along ? along->result : profiles;
+  if (along) along->result.candidates = {time_of(profiles)};
+  if (other.plan.empty()) {
+    require_plan(best);
+    return std::move(best);
+  }
+  const PlanTime mine = time_of(best), theirs = time_of(other);
+  const bool faster = theirs.verified && (!mine.verified || theirs.time < mine.time);
+  if (faster || best.plan.empty()) {
+    other.candidates = {mine};
+    if (profiles.corner_bound)
+      other.corner_bound = corner_bound_as_read(*profiles.corner_bound, chords, other, task, options);
+    return other;
+  }
+  best.candidates.push_back(theirs);
+  return std::move(best);
+}
+
+}  // namespace
+
+ProgramResult run_fastest_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
+                               const std::function<void(const std::string&)>& tell) {
+  const auto start = std::chrono::steady_clock::now();
+  ProgramResult result = faster_plan(file, task, options, tell);
+  result.solver.wall_time = seconds_since(start);  // both plans and the bounds
+  return result;
+}
+
+}  // namespace accdec

@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <accdec/design/taps_of_kinds.hpp>
+#include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/design_program_filter.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate.hpp>
+#include <accdec/task/settings_text.hpp>
+
+namespace accdec {
+namespace {
+
+using Tell = std::function<void(const std::string&)>;
+
+/// s, for a filter. Small programs are not worth a minute.
+double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
+  const double usual = std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks()));
+  return options.time_limit ? std::max(0.05, 0.5 * std::min(*options.time_limit, options.deadline.left())) : usual;
+}
+
+/// The task's filter, the filter in a program that --emit wrote, or one designed for the program with any delays. None
+/// if none holds; the message gives the reason.
+ProgramFilter taps_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                               const Tell& tell) {
+  if (task.filter) {
+    ProgramFilter given;
+    given.filter = make_filter(*task.filter);
+    given.solver.method = "given";
+    return given;
+  }
+  if (const auto emitted = options.fixed.dwells_before_filter ? emitted_filter(path) : std::nullopt) {
+    if (tell) tell("the filter is the one that the program was planned for");
+    ProgramFilter given;
+    given.filter = *emitted;
+    given.solver.method = "given by the program";
+    return given;
+  }
+  const double limit = filter_seconds(path, options);
+  ProgramFilter designed = options.fixed.feeds == Feeds::keep
+                               ? design_program_filter(path, task, limit, tell, options.deadline)
+                               : design_filter_for_feeds(path, task, limit, tell, options.deadline);
+  designed.designed = true;
+  return designed;
+}
+
+/// As taps_for_program; settings if the task's control has families, and for taps whose control has only some delays.
+ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
+                                 const Tell& tell) {
+  const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
+  const bool keep = options.fixed.feeds == Feeds::keep;
+  const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
+  if (task.settings && task.settings->names_family() && !emitted_one)
+    return settings_filter(path, task, keep, until(), tell);
+  if (!task.settings || !limits_taps(*task.settings) || emitted_one) return taps_for_program(path, task, options, tell);
+  ProgramFilter choice;
+  choice.message = corner_without_stop(path, task);
+  if (!choice.message.empty()) return choice;
+  Task any = task;
+  any.settings.reset();
+  choice = taps_for_program(path, any, options, tell);
+  if (choice.filter)
+    choice.settings = {.chosen = as_settings(*choice.filter),
+                       .width = width_for_program(path, task, *choice.filter, keep, until())};
+  return choice;
+}
+
+/// The delays that the task's control has.
+void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
+  if (task.settings) path.control = planned_control(*task.settings, choice.settings ? choice.settings->width : 0.0);
+}
+
+/// The time at the programmed feeds, and those of other rules for delays at these feeds.
+void take_kept(const ProgramResult& from, double time, ProgramResult& result) {
+  result.cycle_time_kept = time;
+  result.cycle_time_exact_stop = from.cycle_time_exact_stop;
+  result.exact_stop_breaks = from.exact_stop_breaks;
+  result.cycle_time_no_delay = from.cycle_time_no_delay;
+}
+
+/// As `--feeds keep` plans the program, with the filter designed for that, if it is faster than the result.
+/// @param straight  the program as it was read, if it has no chords: longer ones change nothing, and it need not be a
+///                  file
+void offer_kept(std::optional<ProgramFile> straight, const Task& task, const ProgramFileOptions& options,
+                ProgramResult& result) {
+  ProgramFileOptions coarse = options;
+  coarse.arc_tolerance = options.arc_tolerance.value_or(longest_chords);
+  ProgramFile again = straight ? std::move(*straight) : read_program_file(result.program, task, coarse, {});
+  coarse.fixed.feeds = Feeds::keep;
+  const ProgramFilter filter = filter_for_program(again.path, task, coarse, {});
+  if (!filter.filter) return;
+  set_control(again.path, task, filter);
+  ProgramResult kept = run_program(
+      {result.program, std::move(again.path), task, coarse.fixed.feeds, options.deadline, options.fixed.filter_bound},
+      *filter.filter, filter.plan);
+  kept.reading = again.reading;
+  const double wall_time = result.solver.wall_time + filter.solver.wall_time + kept.solver.wall_time;
+  // A result at kept feeds has the times of its own filter.
+  const bool best = !result.cycle_time_kept || kept.cycle_time <= *result.cycle_time_kept;
+  if (kept.verification.feasible && result.feeds_chosen && best) take_kept(kept, kept.cycle_time, result);
+  if (kept.verification.feasible && (!result.verification.feasible || kept.cycle_time < result.cycle_time)) {
+    result = std::move(kept);
+    result.solver = filter.solver;
+  }
+  result.kept_same_filter = false;
+  result.solver.wall_time = wall_time;
+}
+
+/// The time of the program with delays of any number of samples, and the better of two filters: one designed for it, or
+/// the control's own.
+std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolpath& programmed, const Task& task,
+                                        const ProgramFileOptions& options) {
+  constexpr double longest = 10.0;  // s, for the filter, and as long for the plan
+  Task any = task;
+  any.settings.reset(), any.filter.reset();
+  ProgramFileOptions bounded = options;
+  bounded.time_limit = std::min(2.0 * std::min(longest, filter_seconds(programmed, options)), options.deadline.left());
+  bounded.deadline = options.deadline.within(*bounded.time_limit);
+  const ProgramFilter designed = filter_for_program(programmed, any, bounded, {});
+  std::optional<double> best;
+  const auto offer = [&](const std::optional<Filter>& filter) {
+    if (!filter || bounded.deadline.over()) return;
+    const ProgramResult plan =
+        run_program({result.program, programmed, any, options.fixed.feeds, bounded.deadline}, *filter);
+    if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
+  };
+  offer(designed.filter);
+  offer(make_filter(result.settings->chosen.filter));
+  // The plan with the settings is one of free taps.
+  if (best && result.verification.feasible) best = std::min(*best, result.cycle_time);
+  return best;
+}
+
+/// Adds the settings, with how the control gives the delays.
+void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task& task) {
+  result.settings = choice.settings;
+  if (choice.settings->chosen.family == SettingFamily::taps && !result.plan.empty())
+    result.settings->chosen = as_settings(result.plan.set());  // of the plan at kept feeds, if that is the answer
+  result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
+  if (result.plan.empty()) return;
+  const FilteredCommand& command = *result.plan.command();
+  CommandDelays delays = command_delays(result.plan.path, command.filter, task.sample_period, command.delays);
+  if (!task.settings->delays.empty()) result.settings->chosen.delays = std::move(delays.kinds);
+  result.settings->chosen.width = delays.width;
+  // As whoever reads the result knows the control.
+  result.plan.path.control.width = delays.width ? delays.width->middle() : 0.0;
+  const Machine machine = program_machine(task.machine, result.plan.path);
+  result.raised = raised_delays(result.plan.path, command.filter, task.sample_period, machine, command.delays);
+}
+
+/// Adds the time that the program takes with today's setting of the task's control, if the task names one.
+void say_today(ProgramResult& result, const Toolpath& programmed, const Task& task, const ProgramFileOptions& options) {
+  const FilterSpec* const today = todays_filter(task);
+  if (today == nullptr || options.deadline.over()) return;
+  const Filter filter = make_filter(*today);
+  const Deadline until = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
+  Toolpath path = programmed;
+  path.control = planned_control(
+      *task.settings, width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
+  const ProgramResult plan =
+      run_program({result.program, std::move(path), task, options.fixed.feeds, options.deadline}, filter);
+  // A plan that was cut short says little of the setting.
+  if (!options.deadline.over()) result.today = plan.verification.feasible ? plan.cycle_time : unlimited;
+}
+
+/// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
+ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const Task& task,
+                           const ProgramFileOptions& options) {
+  const bool finer = options.fixed.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
+                     file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
+  const bool kept = options.fixed.feeds == Feeds::choose && choice.designed &&
+                    file.path.blocks() <= several_plans_max &&
+                    (!options.fixed.compensate_arcs || file.path.arcs.empty());
+  const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
+  const Toolpath programmed = says ? file.path : Toolpath{};
+  const auto plan = [&](ProgramFile read, Feeds feeds) {
+    set_control(read.path, task, choice);
+    ProgramResult planned =
+        run_program({read.name, std::move(read.path), task, feeds, options.deadline, options.fixed.filter_bound},
+                    *choice.filter, choice.plan);
+    planned.reading = std::move(read.reading);
+    return planned;
+  };
+  // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
+  const bool widen = options.fixed.feeds == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();
+  std::optional<ProgramFile> straight;
+  if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
+  const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.fixed.feeds;
+  ProgramResult result = plan(std::move(file), finer ? Feeds::choose_only : feeds);
+  double planning = result.solver.wall_time;
+  if (finer && !options.deadline.over()) {
+    ProgramFileOptions coarse = options;
+    coarse.arc_tolerance = longest_chords;
+    ProgramResult other = plan(read_program_file(result.program, task, coarse, {}), feeds);
+    planning += other.solver.wall_time;
+    const bool as_asked =
+        !options.fixed.compensate_arcs || !other.plan.path.programmed.empty() || result.plan.path.programmed.empty();
+    const bool better = other.verification.feasible && as_asked &&
+                        (!result.verification.feasible || other.cycle_time < result.cycle_time);
+    if (!result.cycle_time_kept && other.cycle_time_kept) take_kept(other, *other.cycle_time_kept, result);
+    if (better) result = std::move(other);
+  }
+  result.solver = choice.solver;
+  result.solver.wall_time += planning;
+  const bool families = choice.settings && task.settings->names_family();
+  result.kept_same_filter = choice.designed || families;
+  if (kept && !options.deadline.over()) offer_kept(std::move(straight), task, options, result);
+  if (choice.settings) say_settings(result, choice, task);
+  if (result.plan.empty() || !says) return result;
+  say_today(result, programmed, task, options);
+  if (families && !options.deadline.over())
+    result.settings->free_taps = time_of_free_taps(result, programmed, task, options);
+  return result;
+}
+
+/// How a program with arcs commanded as they are compares with one that widens them.
+std::string compensation_note(const ProgramResult& plain, const ProgramResult& widened) {
+  return fmt::format("arcs are commanded as programmed, which takes {:.6g} s: {}", plain.cycle_time,
+                     widened.plan.path.programmed.empty()
+                         ? "no plan that widens them holds all limits"
+                         : fmt::format("widened, they take {:.6g} s", widened.cycle_time));
+}
+
+/// With the filter that suits the program as it was read.
+ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options, const Tell& tell) {
+  const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
+  if (!choice.filter) {
+    ProgramResult none;
+    none.program = file.name;
+    none.reading = file.reading;
+    none.sample_period = task.sample_period;
+    none.message = choice.message;
+    none.solver = choice.solver;
+    return none;
+  }
+  if (tell) tell("planning and simulating");
+  return plan_as_read(std::move(file), choice, task, options);
+}
+
+}  // namespace
+
+ProgramResult run_fixed_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options,
+                             const std::function<void(const std::string&)>& tell) {
+  if (!options.fixed.compensate_arcs || file.path.arcs.empty())
+    return choose_and_plan(std::move(file), task, options, tell);
+  // First without compensation and with all the time there is: a time limit cannot make the answer slower than that.
+  ProgramFile plain = file;
+  plain.path.widen_arcs = plain.reading.widen_arcs = false;
+  ProgramFileOptions as_programmed = options;
+  as_programmed.fixed.compensate_arcs = false;
+  ProgramResult result = choose_and_plan(std::move(plain), task, as_programmed, tell);
+  if (options.deadline.over() && result.verification.feasible) {
+    result.compensation = "arcs are commanded as programmed: the time limit ended before a plan that widens them";
+    return result;
+  }
+  ProgramResult widened = choose_and_plan(std::move(file), task, options, tell);
+  if (!result.verification.feasible || (widened.verification.feasible && widened.cycle_time <= result.cycle_time))
+    return widened;
+  result.compensation = compensation_note(result, widened);
+  result.solver.wall_time += widened.solver.wall_time;
+  return result;
+}
+
+}  // namespace accdec

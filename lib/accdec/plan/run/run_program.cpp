@@ -1,0 +1,402 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <accdec/bounds/filter_bound.hpp>
+#include <accdec/bounds/lower_bound.hpp>
+#include <accdec/files.hpp>
+#include <accdec/files/refused_key.hpp>
+#include <accdec/gcode/emitted_filters.hpp>
+#include <accdec/machine/limits.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/command/stop_everywhere.hpp>
+#include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/feeds/stretches.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/run/cool_drives.hpp>
+#include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/run/refused_keys.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
+#include <accdec/plan/verify/judge_program.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate/simulate.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+/// Trying every curve at several feeds takes ten times as long as one plan and saves a few percent. If a filter was
+/// designed for chosen feeds, only programs this short do it, and only if programmed feeds are not this many times
+/// slower.
+constexpr std::size_t tuned_max = 2'000;
+constexpr double hopelessly_slower = 1.25;
+constexpr std::size_t parts_max = 4'000;  // blocks, of a long program, on which the programmed feeds are tried first
+constexpr int feed_rounds_max = 40;       // of mending feeds
+constexpr double stepping_time = 0.5;     // s, beyond the time limit, for the plan if no other holds
+
+/// Makes the plan of the result: the fastest requested plan that holds.
+class Planning {
+ public:
+  /// @param programmed  until all plans are made
+  /// @param set  without the control's own smoothing
+  Planning(ProgramResult& result, const Toolpath& programmed, const Filter& set, const Task& task,
+           const Machine& machine, const Deadline& deadline)
+      : result_(result),
+        programmed_(programmed),
+        feed_step_(corner_feed_step_of(task.settings)),
+        set_(set),
+        filter_(Response(task.machine, task.sample_period).command(set)),
+        behind_(filter_, machine, task.sample_period),
+        task_(task),
+        machine_(machine),
+        deadline_(deadline) {}
+
+  /// Plans at the programmed feeds, with rapid moves as fast as the filter can start and stop them.
+  /// @param tune_curves  see plan_program
+  void keep(const Toolpath& path, bool tune_curves) {
+    if (!path.given_delays.empty()) as_commanded(path, false);
+    base_ = path;
+    limit_rapids(base_, filter_, task_.sample_period, machine_);
+    snap_durations(base_, filter_, task_.sample_period, machine_);
+    ProgramPlan plan = plan_program(base_, filter_, task_.sample_period, machine_, tune_curves, deadline_);
+    ScheduledPlan kept{base_, std::move(plan)};
+    snap(kept);
+    base_.duration = kept.path.duration;
+    kept_ = seconds(kept.plan);
+    if (all_holds(kept.plan)) result_.cycle_time_kept = kept_;
+    offer(std::move(kept), false);
+  }
+  /// If --emit wrote this program and it holds as it is, it is the plan. False: it is planned like any other.
+  bool as_written(const Toolpath& path, Feeds feeds) {
+    const std::optional<Filter> written = emitted_filter(path);
+    if (!written || !std::ranges::equal(written->taps(), set_.taps())) return false;
+    as_commanded(path, feeds != Feeds::keep);
+    return all_holds(best_.plan);
+  }
+  void choose(const Toolpath& path) {
+    if (path.blocks() <= several_plans_max || !path.given_delays.empty()) as_commanded(path, true);
+    ScheduledPlan plan =
+        schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_);
+    if (deadline_.over() && !all_holds(plan.plan)) {
+      plan = schedule_feeds(path, filter_, task_.sample_period, machine_, feed_rounds_max,
+                            Deadline(seconds_for_one_plan(path)), feed_step_);
+    }
+    chosen_ = all_holds(plan.plan);
+    snap(plan);
+    if (!kept_ && !all_holds(plan.plan) && !all_holds(best_.plan)) keep(path, false);
+    offer(std::move(plan), true);
+  }
+  /// Programs too long to be planned twice in any case are planned at the programmed feeds, too, if that may be faster.
+  void compare_kept(const Toolpath& path) {
+    if (kept_ || deadline_.over() || least_kept(path) >= best_.plan.simulation.samples) return;
+    if (!slower_in_parts(path)) keep(path, true);
+  }
+  /// Offers a plan at the programmed feeds that held when the filter was chosen, if the time ended since.
+  void as_known(const Toolpath& path, const KnownPlan& known) {
+    const std::size_t blocks = path.blocks();
+    if (!deadline_.over() || known.delays.size() != blocks || known.duration.size() != blocks) return;
+    ScheduledPlan plan{path, {}};
+    plan.path.duration = known.duration;
+    plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, known.delays);
+    plan.plan.slowed = known.slowed;
+    snap(plan);
+    if (!all_holds(plan.plan)) return;
+    if (!result_.cycle_time_kept) {
+      base_ = plan.path;
+      result_.cycle_time_kept = kept_ = seconds(plan.plan);
+    }
+    offer(std::move(plan), false);
+  }
+  /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
+  void tune(const Toolpath& path, Feeds feeds) {
+    if (deadline_.over() || !kept_) return;
+    const bool hopeless = path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
+    if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
+  }
+  /// If no plan holds, or the time ended before a good one was found: a slow one that stops at every joint.
+  void stop(const Toolpath& path, bool feeds_chosen) {
+    const bool ended = deadline_.over() && path.blocks() <= several_plans_max && !chosen_;
+    // Steps of the feed inside the blocks save most of the time, if they are found quickly.
+    if (feeds_chosen && (ended || !all_holds(best_.plan))) {
+      auto steps = schedule_stops(path, filter_, task_.sample_period, machine_, Deadline(stepping_time));
+      if (steps) offer(std::move(*steps), feeds_chosen);
+    }
+    if (!all_holds(best_.plan)) offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
+  }
+  /// Lowers all feeds where a drive would be warmer over the program than its rating.
+  void cool() {
+    const auto check = [this](ScheduledPlan& plan) {
+      plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
+      settle(plan);
+    };
+    if (cool_drives(best_, filter_, task_.sample_period, machine_, check, deadline_))
+      result_.cycle_time_kept.reset();  // that plan was not held against the ratings
+  }
+  /// The plan as the result's.
+  void take() {
+    ProgramPlan& plan = best_.plan;
+    delays_had_ = plan.delays_had;
+    alone_ = std::move(plan.alone);
+    result_.errors = std::move(plan.errors);
+    result_.check.samples = plan.simulation.samples;
+    result_.check.limits = std::move(plan.simulation.limits);
+    result_.check.errors_hold = plan.errors_hold;
+    result_.slowed = plan.slowed;
+    result_.too_fast = std::move(plan.too_fast);
+    result_.rounds = plan.rounds;
+    FilteredCommand command{filter_, std::move(plan.delays)};
+    if (!task_.machine.prefilter_taps.empty()) command.own = set_;
+    command.moved.assign(behind_.servo().begin(), behind_.servo().end());
+    result_.plan = {std::move(best_.path), std::move(command)};
+  }
+
+  /// Whether the control can give the delays of the plan taken.
+  bool delays_had() const { return delays_had_; }
+  /// Its delays of joints alone, see ProgramPlan.
+  const std::vector<int>& alone() const { return alone_; }
+
+  /// The times without delays and with exact stops, at the programmed feeds. If only the plan with chosen feeds was
+  /// made, at its feeds.
+  void other_rules() const {
+    OtherRules times = accdec::other_rules(at_other_rules(), filter_, task_.sample_period, machine_);
+    result_.cycle_time_no_delay = times.no_delay;
+    result_.cycle_time_exact_stop = times.exact_stop;
+    result_.exact_stop_breaks = std::move(times.breaks);
+  }
+
+ private:
+  const Toolpath& at_other_rules() const {
+    return result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.plan.path;
+  }
+  /// Offers a plan with the program's own feeds and delays, unchanged. A program that --emit wrote holds this way.
+  void as_commanded(const Toolpath& path, bool feeds_chosen) {
+    ScheduledPlan plan{path, {}};
+    if (!feeds_chosen) limit_rapids(plan.path, filter_, task_.sample_period, machine_);
+    std::vector<int> delays(path.blocks(), 0);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (path.joint[b] == Joint::stop) delays[b] = exact_stop_of(filter_);
+    }
+    for (const auto& [block, delay] : path.given_delays) {
+      delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
+    }
+    plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
+    snap(plan);
+    if (all_holds(plan.plan)) offer(std::move(plan), feeds_chosen);
+  }
+  /// Runs that exceed whole samples by no more than rounding get these samples, if the plan then holds. The text that
+  /// --emit writes is rounded, and read back it has to be the same plan.
+  void snap(ScheduledPlan& plan) const {
+    std::vector<double> before = plan.path.duration;
+    if (!snap_runs(plan.path, task_.sample_period, plan.plan.delays)) return;
+    ProgramPlan snapped = check_program(plan.path, filter_, task_.sample_period, machine_, plan.plan.delays);
+    if (!all_holds(snapped)) {
+      plan.path.duration = std::move(before);
+      return;
+    }
+    plan.plan.alone.clear();  // they were for the durations before
+    plan.plan.errors = std::move(snapped.errors);
+    plan.plan.simulation = std::move(snapped.simulation);
+    plan.plan.errors_hold = true;
+  }
+  std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays) const {
+    const int least = exact_stop_of(filter_);
+    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+      if (path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
+    }
+    return delays;
+  }
+  /// Whether parts of a program show that it is clearly slower at the programmed feeds.
+  bool slower_in_parts(const Toolpath& path) const {
+    constexpr double clearly = 1.002;
+    double kept = 0.0, chosen = 0.0;
+    for (Toolpath& part : stretches(path, parts_max)) {
+      chosen += seconds(
+          schedule_feeds(part, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_).plan);
+      limit_rapids(part, filter_, task_.sample_period, machine_);
+      const ProgramPlan plan = plan_program(part, filter_, task_.sample_period, machine_, false, deadline_);
+      if (!all_holds(plan)) return true;
+      kept += seconds(plan);
+    }
+    return kept > clearly * chosen;
+  }
+  /// Samples at the programmed feeds with no more than the delays that corners and stops need alone: plans take longer.
+  std::int64_t least_kept(Toolpath path) const {
+    limit_rapids(path, filter_, task_.sample_period, machine_);
+    snap_durations(path, filter_, task_.sample_period, machine_);
+    std::vector<int> delays = pairwise_delays(path, filter_, task_.sample_period, machine_).delays;
+    delays = with_least_stops(path, std::move(delays));
+    for (std::size_t b = 0; b < path.blocks(); ++b) {
+      if (!ends_leg(path, b)) delays[b] = 0;  // curves may be slowed instead
+    }
+    return motion_samples(CommandTiming(path, task_.sample_period, delays), filter_);
+  }
+  /// Stops were planned with the delay that legs longer than the filter need. After shorter legs the least may be
+  /// enough.
+  void relax_stops(ScheduledPlan& plan) const {
+    if (!plan.path.given_delays.empty()) return;
+    std::vector<int> delays = with_least_stops(plan.path, plan.plan.delays);
+    if (delays == plan.plan.delays) return;
+    ProgramPlan relaxed = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
+    if (!all_holds(relaxed)) return;
+    plan.plan.delays = std::move(relaxed.delays);
+    plan.plan.errors = std::move(relaxed.errors);
+    plan.plan.simulation = std::move(relaxed.simulation);
+    plan.plan.errors_hold = true;
+  }
+  double seconds(const ProgramPlan& plan) const {
+    return static_cast<double>(plan.simulation.samples) * task_.sample_period;
+  }
+  /// Delays as the control can give them, and whether it can.
+  void settle(ScheduledPlan& plan) const {
+    settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
+    if (!corner_feeds_had(plan.path, programmed_, plan.plan.delays, feed_step_)) plan.plan.delays_had = false;
+  }
+  void offer(ScheduledPlan plan, bool feeds_chosen) {
+    relax_stops(plan);
+    settle(plan);
+    const bool first = best_.plan.delays.empty();
+    // If arcs are to be widened, a plan that widens them is better than a faster one that does not.
+    const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
+    const bool faster = plan.plan.simulation.samples < best_.plan.simulation.samples;
+    const bool better = all_holds(plan.plan) && (!all_holds(best_.plan) || (widened == had_widened ? faster : widened));
+    if (!first && !better) return;
+    best_ = std::move(plan);
+    result_.feeds_chosen = feeds_chosen;
+  }
+
+  ProgramResult& result_;
+  const Toolpath& programmed_;
+  double feed_step_;  // see corner_feed_step_of
+  const Filter& set_;
+  const Filter filter_;  // all that acts on the command
+  const FilterBehind behind_;
+  const Task& task_;
+  const Machine& machine_;
+  const Deadline& deadline_;
+  ScheduledPlan best_;
+  Toolpath base_;               // planned at the programmed feeds
+  std::optional<double> kept_;  // s, of that plan, which need not hold
+  bool chosen_ = false;         // a plan of chosen feeds was found
+  bool delays_had_ = true;
+  std::vector<int> alone_;
+};
+
+/// The part of every plan's result on the program and the task.
+ProgramResult before_planning(const PlanningProblem& problem) {
+  const Task& task = problem.task;
+  if (task.design.coefficient_bits > 0)
+    throw std::invalid_argument("[design] coefficient_bits is for designs of corners; leave it out for a program");
+  ProgramResult result;
+  result.program = problem.program;
+  result.sample_period = task.sample_period;
+  result.task_machine = task.machine;
+  result.programmed_blocks = blocks_of(problem.path);
+  result.programmed_moves = problem.path.blocks();
+  return result;
+}
+
+/// @throws std::invalid_argument for what a plan of one filter does not consider behind a servo
+void require_considered(const Task& task, const Machine& machine, bool filter_bound) {
+  if (!has_servo(machine)) return;
+  if (task.settings && task.settings->in_position_actual)
+    throw RefusedKey(
+        "a program does not consider [controller] `in_position_of` = \"actual\" behind a servo; write \"command\"",
+        {"in_position_of", "name", "file"});
+  if (filter_bound)
+    throw std::invalid_argument("--filter-bound is for motions without a servo (servo_gain_1_s, response_taps)");
+}
+
+const char* ended_by(const Deadline& deadline) {
+  return deadline.asked_to_end() ? "Ctrl-C" : "the time limit";
+}
+
+void say_what_ended(ProgramResult& result, const Deadline& deadline) {
+  if (!result.verification.feasible && deadline.over())
+    result.message =
+        fmt::format("{} ended the planning before a plan held all limits; {}", ended_by(deadline), result.message);
+}
+
+}  // namespace
+
+ProgramResult run_program(PlanningProblem problem, const Filter& filter, const KnownPlan& known) {
+  const Task& task = problem.task;
+  Toolpath& path = problem.path;
+  const Feeds feeds = problem.feeds;
+  if (task.settings && task.settings->in_position_latency > 0.0)
+    throw RefusedKey("a program does not consider [controller] `in_position_latency_ms`; leave it out",
+                     {"in_position_latency_ms", "name", "file"});
+  const auto start = std::chrono::steady_clock::now();
+  ProgramResult result = before_planning(problem);
+  const Machine machine = program_machine(task.machine, path);
+  require_considered(task, machine, problem.filter_bound);
+  // Computed before any move is slowed for this filter, because the bounds hold for all filters.
+  snap_durations(path, Response(task.machine, task.sample_period).command(filter), task.sample_period, machine);
+  result.lower_bound = program_lower_bound(path, machine, task.sample_period);
+  if (problem.filter_bound) result.filter_bound = filter_lower_bound(path, machine, task.sample_period);
+  Planning planning(result, path, filter, task, machine, problem.deadline);
+  const bool written = planning.as_written(path, feeds);
+  const bool keep = feeds == Feeds::keep || (feeds != Feeds::choose_only && path.blocks() <= several_plans_max);
+  if (keep && !written) planning.keep(path, feeds == Feeds::keep);
+  if (feeds != Feeds::keep && !written) planning.choose(path);
+  if (feeds != Feeds::keep && keep && !written) planning.tune(path, feeds);
+  if (!keep && feeds != Feeds::choose_only && !written) planning.compare_kept(path);
+  planning.as_known(path, known);
+  planning.stop(path, feeds != Feeds::keep);
+  planning.cool();
+  path = {};
+  planning.take();
+  result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
+  planning.other_rules();
+  judge_program(result, machine, planning.alone());
+  if (!planning.delays_had()) {
+    result.verification.feasible = false;
+    result.status = Status::failed;
+    result.message = "the control has no delays with which a plan holds all limits";
+  }
+  say_what_ended(result, problem.deadline);
+  result.solver.method = "given";
+  result.solver.wall_time = seconds_since(start);
+  return result;
+}
+
+ProgramResult run_profiles(PlanningProblem problem) {
+  const Task& task = problem.task;
+  const Toolpath& path = problem.path;
+  require_positions(task, path, "plan profiles");
+  const auto start = std::chrono::steady_clock::now();
+  if (!path.given_delays.empty()) {
+    throw std::invalid_argument(
+        "plan profiles takes no delays from the program: it has no one filter that they "
+        "belong to; leave out --dwells-before-filter");
+  }
+  ProgramResult result = before_planning(problem);
+  result.feeds_chosen = true;
+  const Machine machine = program_machine(task.machine, path);
+  ProfilePlan plan = plan_profiles(path, machine, task.sample_period, problem.deadline);
+  result.solver.method = "look-ahead";
+  if (!plan.checked) {
+    result.message =
+        fmt::format("{} ended plan profiles before all its samples were checked", ended_by(problem.deadline));
+    result.solver.wall_time = seconds_since(start);
+    return result;
+  }
+  result.plan = {std::move(problem.path), Trajectory{std::move(plan.chain), std::move(plan.last)}};
+  result.errors = std::move(plan.errors);
+  result.check = std::move(plan.check);
+  result.rounds = plan.rounds;
+  result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
+  judge_program(result, machine);
+  say_what_ended(result, problem.deadline);
+  result.solver.wall_time = seconds_since(start);
+  return result;
+}
+
+}  // namespace accdec

@@ -1,0 +1,69 @@
+#include <array>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <accdec/files/words.hpp>
+#include <accdec/machine/response.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/program.hpp>
+
+namespace accdec {
+namespace {
+
+constexpr std::array<std::pair<PlanKind, std::string_view>, 3> plan_kinds{
+    {{PlanKind::fixed, "fixed"}, {PlanKind::profiles, "profiles"}, {PlanKind::free, "free"}}};
+
+/// Plan fixed with the bounds of any motion. Behind a servo there are none: they are of motions, and the time of the
+/// plan is that of the command.
+ProgramResult fixed_with_bounds(ProgramFile file, const Task& task, const ProgramFileOptions& options,
+                                const std::function<void(const std::string&)>& tell) {
+  const double chords = file.reading.read.arc_tolerance;
+  // Before the plan, which may take all the time that is left.
+  const Deadline most = options.deadline.within(0.5 * options.deadline.left());
+  std::optional<CornerBound> bound;
+  if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path))) {
+    if (tell) tell("bounds");
+    bound = corner_bound_of(file.path, task, most);
+  }
+  ProgramResult result = run_fixed_plan(std::move(file), task, options, tell);
+  result.taps_control = control_of_taps(task);
+  if (bound && !result.plan.empty()) result.corner_bound = corner_bound_as_read(*bound, chords, result, task, options);
+  return result;
+}
+
+}  // namespace
+
+const std::vector<std::string>& plan_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const auto& [kind, name] : plan_kinds) list.emplace_back(name);
+    return list;
+  }();
+  return names;
+}
+
+PlanKind plan_kind(std::string_view name) {
+  if (const auto kind = value_of<PlanKind>(plan_kinds, name)) return *kind;
+  throw std::invalid_argument(fmt::format("plans are {}", fmt::join(plan_names(), ", ")));
+}
+
+ProgramResult run_program_file(ProgramFile file, const Task& task, const ProgramFileOptions& options,
+                               const std::function<void(const std::string&)>& tell) {
+  if (task.settings) require_planned_taps(*task.settings);
+  switch (options.plan) {
+    case PlanKind::profiles: return run_fastest_plan(file, task, options, tell);
+    case PlanKind::free: return run_free_plan(file, task, options, tell);
+    case PlanKind::fixed: break;
+  }
+  return fixed_with_bounds(std::move(file), task, options, tell);
+}
+
+}  // namespace accdec

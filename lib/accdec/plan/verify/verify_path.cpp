@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <accdec/plan/verify/verify_path.hpp>
+#include <accdec/task/verified_vibration.hpp>
+#include <accdec/verify.hpp>
+
+namespace accdec {
+namespace {
+
+using Place = std::array<double, program_axis_count>;
+
+/// Distances of a motion from the blocks that act on it.
+class OffBlocks {
+ public:
+  OffBlocks(const DirectMotion& motion, const Toolpath& path, int order) : motion_(motion), path_(path) {
+    // A window ends a filter's length after the command leaves its joint.
+    std::int64_t begins = 0;
+    for (std::size_t b = 0; b < path.blocks(); ++b) {
+      const bool last = b + 1 == path.blocks();
+      const std::int64_t ends = last ? std::ssize(motion.position.front()) : motion.windows[b].first + order + 1;
+      acts_.emplace_back(begins, ends);
+      if (!last) begins = motion.windows[b].last - order - 1;
+    }
+  }
+
+  /// The largest distance on the step to a sample, m.
+  double on_step(std::size_t k) {
+    const auto at = static_cast<std::int64_t>(k);
+    near_.clear();
+    // Blocks begin and end in their order.
+    const auto first = std::ranges::partition_point(acts_, [&](const auto& act) { return act.second < at; });
+    for (auto act = first; act != acts_.end() && act->first <= at; ++act)
+      near_.push_back(static_cast<std::size_t>(act - acts_.begin()));
+    if (near_.empty()) near_.push_back(static_cast<std::size_t>(first - acts_.begin()) - 1);  // in a long rest
+    const Place to = place(k), from = place(k > 0 ? k - 1 : 0);
+    auto [worst, block] = off(to);
+    auto [before, block_before] = off(from);
+    if (block == block_before) return worst;
+    constexpr int parts = 64;
+    double done = 0.0;
+    for (int i = 1; i <= parts; ++i) {
+      const double end = static_cast<double>(i) / parts;
+      const auto [distance, here] = off(between(from, to, end));
+      worst = std::max(worst, distance);
+      if (here != block_before) worst = std::max(worst, off(as_far(from, to, done, end, block_before, here)).first);
+      done = end, block_before = here;
+    }
+    return worst;
+  }
+
+ private:
+  Place place(std::size_t k) const {
+    Place at{};
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) at[a] = motion_.position[a][k];
+    return at;
+  }
+  static Place between(const Place& from, const Place& to, double part) {
+    Place at{};
+    for (std::size_t a = 0; a < at.size(); ++a) at[a] = from[a] + part * (to[a] - from[a]);
+    return at;
+  }
+  double off_block(const Place& at, std::size_t b) const {
+    long double along = 0.0L, length = 0.0L, square = 0.0L;
+    const double *begin = path_.programmed_point(b), *end = path_.programmed_point(b + 1);
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+      const long double way = static_cast<long double>(end[a]) - begin[a];
+      along += way * (at[a] - static_cast<long double>(begin[a])), length += way * way;
+    }
+    const long double part = std::clamp(along / length, 0.0L, 1.0L);
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
+      const long double foot = begin[a] + part * (static_cast<long double>(end[a]) - begin[a]);
+      square += (at[a] - foot) * (at[a] - foot);
+    }
+    return static_cast<double>(std::sqrt(square));
+  }
+  std::pair<double, std::size_t> off(const Place& at) const {
+    std::pair<double, std::size_t> nearest{unlimited, 0};
+    for (const std::size_t b : near_) nearest = std::min(nearest, {off_block(at, b), b});
+    return nearest;
+  }
+  /// The place between two parts of a step that is as far from one block as from another.
+  Place as_far(const Place& from, const Place& to, double low, double high, std::size_t one, std::size_t other) const {
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high);
+      const Place at = between(from, to, middle);
+      (off_block(at, one) < off_block(at, other) ? low : high) = middle;
+    }
+    return between(from, to, low);
+  }
+
+  const DirectMotion& motion_;
+  const Toolpath& path_;
+  std::vector<std::pair<std::int64_t, std::int64_t>> acts_;  // kept samples on which a block acts
+  std::vector<std::size_t> near_;
+};
+
+/// Changes of the command that count together.
+struct Together {
+  std::vector<std::pair<std::int64_t, double>> of_axis;  // sample, m/s
+};
+
+/// @param command  that no filter has passed
+std::vector<Together> together(const DirectMotion& command, const Toolpath& path, double period, std::size_t axis,
+                               int span) {
+  std::vector<Together> all(1);
+  std::int64_t last = 0, left_out = 0;
+  std::size_t cut = 0, joint = 0;
+  const auto& velocity = command.velocity;
+  const double still = position_floor / period;
+  for (std::size_t k = 1; k < velocity.front().size(); ++k) {
+    for (; cut < command.cuts.size() && command.cuts[cut].before <= static_cast<std::int64_t>(k); ++cut)
+      left_out += command.cuts[cut].count;
+    bool moved = false, changed = false;
+    for (const std::vector<double>& v : velocity) {
+      moved = moved || std::abs(v[k - 1]) > still;
+      changed = changed || std::abs(v[k] - v[k - 1]) > still;
+    }
+    if (!changed) continue;
+    const std::int64_t now = static_cast<std::int64_t>(k) + left_out;
+    if (moved && now - last > span) all.emplace_back();
+    const double by = velocity[axis][k] - velocity[axis][k - 1];
+    if (std::abs(by) > still) all.back().of_axis.emplace_back(now, by);
+    last = now;
+    // The change to rest at a stop ends what came before.
+    while (joint < command.windows.size() && command.windows[joint].first + 1 < static_cast<std::int64_t>(k)) ++joint;
+    const bool reached =
+        joint < command.windows.size() && command.windows[joint].first + 1 == static_cast<std::int64_t>(k);
+    const bool rests = std::ranges::all_of(velocity, [&](const auto& v) { return std::abs(v[k]) <= still; });
+    if (reached && rests && path.joint[joint] == Joint::stop) all.emplace_back();
+  }
+  return all;
+}
+
+}  // namespace
+
+UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order) {
+  return {LimitKind::contour, path.contour_max, motion,
+          [off = OffBlocks(motion, path, order)](std::size_t k) mutable { return off.on_step(k); }};
+}
+
+UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double period, std::span<const int> delays,
+                       const Filter& filter, const Mode& mode) {
+  const auto axis = static_cast<std::size_t>(mode.axis);
+  const DirectMotion raw = direct_motion(path, period, delays, BlockFilters{{Filter({1.0})}, {}, filter.order()});
+  const int first = filter.first_nonzero_tap(), last = filter.last_nonzero_tap();
+  std::map<std::size_t, double> left;  // by kept sample
+  for (const Together& event : together(raw, path, period, axis, last - first)) {
+    if (event.of_axis.empty()) continue;
+    const std::int64_t begin = event.of_axis.front().first, end = event.of_axis.back().first + last;
+    std::vector<double> changes(static_cast<std::size_t>(end - begin) + 1, 0.0);
+    for (const auto& [sample, by] : event.of_axis) {
+      for (int i = first; i <= last; ++i) changes[static_cast<std::size_t>(sample - begin + i)] += by * filter.tap(i);
+    }
+    left[static_cast<std::size_t>(command.kept(end))] = verified_residual(changes, mode, period).value;
+  }
+  return {LimitKind::residual, mode.displacement_max, command, [left = std::move(left)](std::size_t k) {
+            const auto at = left.find(k);
+            return at == left.end() ? 0.0 : at->second;
+          }};
+}
+
+}  // namespace accdec

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include <accdec/plan/verify/used_limits.hpp>
+#include <accdec/simulate/direct.hpp>
+
+// Internal: the verifier's own formulas of what a program's motion does to its path, and of what it leaves vibrating.
+
+namespace accdec {
+
+/// The use of Toolpath::contour_max by the steps of a motion. References are kept.
+/// @param order  of the longest filter of the motion
+UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order);
+
+/// The use of a mode of an axis, wherever the motion goes on evenly or stops. The changes of the command are hits that
+/// the taps spread, and the oscillator is followed sample by sample.
+/// @param command  its motion, whose samples count; the reference is kept  @param filter  of the command
+UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double period, std::span<const int> delays,
+                       const Filter& filter, const Mode& mode);
+
+}  // namespace accdec

@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/program.hpp>
+#include <accdec/simulate/simulate.hpp>
+
+#include "corner_program.hpp"
+#include "reference.hpp"
+#include "support/temporary_folder.hpp"
+
+// Settings for a program when there is little time to plan them, and with more kinds of delays.
+
+namespace accdec {
+namespace {
+
+using testing::HasSubstr;
+
+Task star_task(std::vector<DelayKind> delays) {
+  Task task = test::averages_task(2, std::move(delays));
+  task.design.order_max = 400;
+  for (Axis& axis : task.machine.axes) axis.jerk_max = 500.0;
+  return task;
+}
+
+Toolpath star(const Task& task) {
+  LineSource source(test_support::source_folder() + "/problems/program/star.ngc");
+  Toolpath path = read_toolpath(source, task.machine, {});
+  for (double& tolerance : path.tolerance) tolerance = 5e-5;
+  return path;
+}
+
+/// The setting with which a start and a stop at the highest feed keep to their limits holds at every corner. At 100
+/// mm/s that is v/a = 16.7 ms and a/j = 12 ms.
+TEST(SettingsWithoutTime, AControlOfCornerFeedsGetsOneThatHolds) {
+  const Task task = star_task({DelayKind::corner_feed});
+  const Toolpath path = star(task);
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Deadline(0.0), {});
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->complete);
+  EXPECT_EQ(make_filter(found->chosen.filter).order() + 2, 17 + 12);
+  Toolpath slow = path;
+  slow.control = planned_control(*task.settings, found->width);
+  const ProgramResult result = run_program({"star.ngc", slow, task, Feeds::choose}, make_filter(found->chosen.filter));
+  EXPECT_TRUE(result.verification.feasible) << result.message;
+  // Way over feed takes 62.3 s.
+  EXPECT_LT(result.cycle_time, 1.2 * 62.4);
+}
+
+TEST(SettingsWithoutTime, TheAnswerSaysHowManyWerePlanned) {
+  ProgramResult result;
+  result.cycle_time = 65.0;
+  result.settings = ProgramSettings{};
+  result.settings->chosen.family = SettingFamily::averages;
+  result.settings->members = 40400, result.settings->tried = 3, result.settings->complete = false;
+  EXPECT_THAT(program_settings_answer(result), HasSubstr("3 of 40400 settings planned; time limit."));
+  result.settings->complete = true;
+  EXPECT_THAT(program_settings_answer(result), Not(HasSubstr("time limit")));
+}
+
+/// All settings of one average, planned to the end. More kinds of delays begin with the answer of fewer.
+TEST(SettingsWithoutTime, MoreKindsOfDelaysAreNoSlower) {
+  const TemporaryFolder folder;
+  const std::string program = folder.write("part.ngc", test::corner_program);
+  const auto time = [&](std::vector<DelayKind> delays) {
+    const Task task = test::averages_task(1, std::move(delays));
+    const ProgramFileOptions options;
+    ProgramFile file = read_program_file(program, task, options, {});
+    const ProgramResult result = run_fixed_plan(file, task, options, {});
+    EXPECT_TRUE(result.verification.feasible) << result.message;
+    return result.cycle_time;
+  };
+  const double few = time({DelayKind::continuous}), stops = time({DelayKind::continuous, DelayKind::exact_stop});
+  EXPECT_LE(time({DelayKind::continuous, DelayKind::in_position}), few * (1.0 + 1e-9));
+  EXPECT_LE(time({DelayKind::continuous, DelayKind::exact_stop, DelayKind::in_position}), stops * (1.0 + 1e-9));
+}
+
+}  // namespace
+}  // namespace accdec
