@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -18,6 +19,19 @@ namespace {
 }
 
 }  // namespace
+
+void require_fixed(const Task& task, const Machine& machine, bool filter_bound) {
+  if (task.settings && task.settings->in_position_latency > 0.0)
+    throw RefusedKey("a program does not consider [controller] `in_position_latency_ms`; leave it out",
+                     {"in_position_latency_ms", "name", "file"});
+  if (!has_servo(machine)) return;
+  if (task.settings && task.settings->in_position_actual)
+    throw RefusedKey(
+        "a program does not consider [controller] `in_position_of` = \"actual\" behind a servo; write \"command\"",
+        {"in_position_of", "name", "file"});
+  if (filter_bound)
+    throw std::invalid_argument("--filter-bound is for motions without a servo (servo_gain_1_s, response_taps)");
+}
 
 void require_positions(const Task& task, const Toolpath& path, const char* plan) {
   require_no_response(task.machine, plan, considered_by_fixed);

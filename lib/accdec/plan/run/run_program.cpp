@@ -9,7 +9,6 @@
 #include <accdec/bounds/filter_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/files.hpp>
-#include <accdec/files/refused_key.hpp>
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -303,17 +302,6 @@ ProgramResult before_planning(const PlanningProblem& problem) {
   return result;
 }
 
-/// @throws std::invalid_argument for what a plan of one filter does not consider behind a servo
-void require_considered(const Task& task, const Machine& machine, bool filter_bound) {
-  if (!has_servo(machine)) return;
-  if (task.settings && task.settings->in_position_actual)
-    throw RefusedKey(
-        "a program does not consider [controller] `in_position_of` = \"actual\" behind a servo; write \"command\"",
-        {"in_position_of", "name", "file"});
-  if (filter_bound)
-    throw std::invalid_argument("--filter-bound is for motions without a servo (servo_gain_1_s, response_taps)");
-}
-
 const char* ended_by(const Deadline& deadline) {
   return deadline.asked_to_end() ? "Ctrl-C" : "the time limit";
 }
@@ -330,13 +318,10 @@ ProgramResult run_program(PlanningProblem problem, const Filter& filter, const K
   const Task& task = problem.task;
   Toolpath& path = problem.path;
   const Feeds feeds = problem.feeds;
-  if (task.settings && task.settings->in_position_latency > 0.0)
-    throw RefusedKey("a program does not consider [controller] `in_position_latency_ms`; leave it out",
-                     {"in_position_latency_ms", "name", "file"});
   const auto start = std::chrono::steady_clock::now();
   ProgramResult result = before_planning(problem);
   const Machine machine = program_machine(task.machine, path);
-  require_considered(task, machine, problem.filter_bound);
+  require_fixed(task, machine, problem.filter_bound);
   // Computed before any move is slowed for this filter, because the bounds hold for all filters.
   snap_durations(path, Response(task.machine, task.sample_period).command(filter), task.sample_period, machine);
   result.lower_bound = program_lower_bound(path, machine, task.sample_period);
