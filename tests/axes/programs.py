@@ -119,11 +119,11 @@ def check_contour(task, result, command, position):
 def events(command):
     """Changes of the command that count together: first sample, last sample, for each axis."""
     changes = np.abs(np.diff(command.raw, axis=0, prepend=0.0)) * command.period > STILL
-    used = np.flatnonzero(command.taps)
+    span = command.order - np.flatnonzero(command.taps)[0]
     found, before = [[]], 0
     for k in np.flatnonzero(changes.any(axis=1)):
         moves = k > 0 and (np.abs(command.raw[k - 1]) * command.period > STILL).any()
-        if moves and k - before > used[-1] - used[0]:
+        if moves and k - before > span:
             found.append([])
         found[-1].append(k)
         before = k
@@ -133,7 +133,6 @@ def events(command):
 
 
 def check_modes(task, result, command):
-    last = np.flatnonzero(command.taps)[-1]
     for mode in task.get("mode", []):
         if "axis" not in mode:
             step = np.concatenate([[0.0], np.cumsum(command.taps)])
@@ -145,7 +144,7 @@ def check_modes(task, result, command):
         change = np.diff(command.raw[:, a], prepend=0.0)
         parts = []
         for event in filter(None, events(command)[a]):
-            steps = np.zeros(event[-1] - event[0] + last + 2)
+            steps = np.zeros(event[-1] - event[0] + command.order + 2)
             for k in event:
                 steps[k - event[0] + 1:] += change[k]
             parts.append(machine.delayed_sum(steps, command.taps))

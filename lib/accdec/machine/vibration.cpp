@@ -16,8 +16,7 @@ namespace accdec {
 
 double residual_vibration(const Filter& filter, double frequency, double sample_period, double damping) {
   const double w = 2.0 * std::numbers::pi * frequency * sample_period;
-  // The residual counts at the last tap that is not zero: zero taps behind it let nothing die away.
-  const auto taps = filter.taps().first(static_cast<std::size_t>(filter.last_nonzero_tap()) + 1);
+  const auto taps = filter.taps();
   if (damping != 0.0) {
     // Products of std::complex look for infinities.
     const double decay = std::exp(-damping * w), turn = w * std::sqrt(1.0 - damping * damping);

@@ -15,19 +15,13 @@ namespace {
 
 constexpr double work_max = 3e8;  // changes times ripples of an event: seconds
 
-/// A residual counts where the motion ends. Zero taps behind it let nothing die away.
-Filter without_last_zeros(const Filter& filter) {
-  const auto taps = filter.taps().first(static_cast<std::size_t>(filter.last_nonzero_tap()) + 1);
-  return Filter({taps.begin(), taps.end()});
-}
-
 /// Gathers the changes of all axes, and judges those that belong together.
 class ModeWatch {
  public:
   ModeWatch(const CommandTiming& timing, const Filter& filter, std::size_t first, const Machine& machine)
       : timing_(timing),
-        filter_(without_last_zeros(filter)),
-        span_(filter.last_nonzero_tap() - filter.first_nonzero_tap()),
+        filter_(filter),
+        span_(filter.order() - filter.first_nonzero_tap()),
         sample_(first == 0 ? timing.dwell_samples(timing.path().dwell_first) : 0),
         block_(first),
         changes_(timing.path().dimensions()) {
@@ -106,7 +100,7 @@ class ModeWatch {
       if (!(use.value > worst.use.value)) continue;
       worst.use.value = use.value, worst.use.frequency = use.frequency, worst.use.damping = use.damping;
       worst.use.line = line;
-      worst.use.sample = changes.back().sample + filter_.last_nonzero_tap();
+      worst.use.sample = changes.back().sample + filter_.order();
     }
     for (auto& changes : changes_) changes.clear();
   }
@@ -124,7 +118,7 @@ class ModeWatch {
   }
 
   const CommandTiming& timing_;
-  const Filter filter_;
+  const Filter& filter_;
   std::int64_t span_, sample_;  // samples of the filter, less one; commanded so far
   std::size_t block_, last_block_ = 0;
   bool stops_ = false;

@@ -92,14 +92,8 @@ double amplitude_left(std::span<const double> hits, double frequency, double dam
   return std::hypot(x, u + k * x);
 }
 
-double vibration_left(const Filter& command, double frequency, double damping, double period) {
-  std::span<const double> hits = command.taps();
-  while (hits.size() > 1 && hits.back() == 0.0) hits = hits.first(hits.size() - 1);
-  return amplitude_left(hits, frequency, damping, period);
-}
-
 LimitUse verified_vibration(const Filter& filter, const Mode& mode, double period) {
-  const auto left = [&](double f, double z) { return vibration_left(filter, f, z, period); };
+  const auto left = [&](double f, double z) { return amplitude_left(filter.taps(), f, z, period); };
   LimitUse use = Scan(left, mode, period, filter.taps().size()).use();
   use.utilisation = utilisation_of(use.kind, use.value, use.bound);
   // A residual bound of 0 holds if the residual is 0 up to rounding.
@@ -107,13 +101,13 @@ LimitUse verified_vibration(const Filter& filter, const Mode& mode, double perio
   return use;
 }
 
-std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int last, int delay,
+std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int order, int delay,
                                      const Corner& legs) {
   const auto a = static_cast<Eigen::Index>(axis);
   const bool later = event == Event::blend && legs.direction_out[a] != 0.0;
   const int zero = event == Event::start ? motion.start : event == Event::blend ? motion.corner : motion.stop;
   std::vector<double> changes;
-  for (int k = 1; k <= last + 1 + (later ? delay : 0); ++k)
+  for (int k = 1; k <= order + 1 + (later ? delay : 0); ++k)
     changes.push_back(motion.velocity(zero + k, a) - motion.velocity(zero + k - 1, a));
   return changes;
 }
@@ -129,11 +123,11 @@ LimitUse verified_residual(std::span<const double> changes, const Mode& mode, do
 }
 
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,
-                           const TaskCorner& corner, int last, int delay, double period) {
+                           const TaskCorner& corner, int order, int delay, double period) {
   LimitUse worst;
   for (const Event event : {Event::start, Event::blend, Event::stop}) {
     const std::vector<double> changes =
-        velocity_changes(command, event, static_cast<std::size_t>(mode.axis), last, delay, corner.geometry());
+        velocity_changes(command, event, static_cast<std::size_t>(mode.axis), order, delay, corner.geometry());
     LimitUse use = verified_residual(changes, mode, period);
     use.event = event;
     use.sample = static_cast<std::int64_t>(changes.size());

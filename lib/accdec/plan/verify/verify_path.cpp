@@ -147,7 +147,7 @@ UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double
                        const Filter& filter, const Mode& mode) {
   const auto axis = static_cast<std::size_t>(mode.axis);
   const DirectMotion raw = direct_motion(path, period, delays, BlockFilters{{Filter({1.0})}, {}, filter.order()});
-  const int first = filter.first_nonzero_tap(), last = filter.last_nonzero_tap();
+  const int first = filter.first_nonzero_tap(), last = filter.order();
   std::map<std::size_t, double> left;  // by kept sample
   for (const Together& event : together(raw, path, period, axis, last - first)) {
     if (event.of_axis.empty()) continue;
