@@ -117,19 +117,22 @@ def check_contour(task, result, command, position):
 
 
 def events(command):
-    """Changes of the command that count together: first sample, last sample, for each axis."""
+    """Changes of the command that count together, for each axis: those until the motion goes on evenly, and those before
+    every corner, behind which it would if nothing came later."""
     changes = np.abs(np.diff(command.raw, axis=0, prepend=0.0)) * command.period > STILL
     span = command.order - np.flatnonzero(command.taps)[0]
-    found, before = [[]], 0
+    found, parts, before = [[]], [], 0
     for k in np.flatnonzero(changes.any(axis=1)):
         moves = k > 0 and (np.abs(command.raw[k - 1]) * command.period > STILL).any()
         if moves and k - before > span:
             found.append([])
+        if k in command.corners:
+            parts.append(found[-1][:])
         found[-1].append(k)
         before = k
         if k in command.stops:  # the command comes to rest there
             found.append([])
-    return [[[k for k in event if changes[k, a]] for event in found] for a in range(command.raw.shape[1])]
+    return [[[k for k in event if changes[k, a]] for event in found + parts] for a in range(command.raw.shape[1])]
 
 
 def check_modes(task, result, command):
@@ -188,6 +191,7 @@ def check(task, result):
     rest = moved.rest_of(task)
     command = Command(task, result, rest)
     letters = result["commands"]["joint"]
+    command.corners = {round(reached) + 1 for b, reached, _ in command.joints if letters[b] == "c"}
     command.stops = {round(reached) + 1 for b, reached, _ in command.joints if letters[b] == "."}
     if command.samples != result["samples"]:
         raise moved.Differs(f"{result['samples']} samples are said, {command.samples} are commanded")

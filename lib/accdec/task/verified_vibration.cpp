@@ -75,21 +75,40 @@ class Scan {
   LimitUse use_{};
 };
 
+/// x'' + 2 z w x' + w^2 x = 0 between hits, solved exactly; a hit changes x' at once.
+class Oscillator {
+ public:
+  struct State {
+    double x = 0.0, u = 0.0;  // u is x' over the frequency of the damped vibration
+  };
+
+  Oscillator(double frequency, double damping, double period) {
+    const double w = 2.0 * std::numbers::pi * frequency;
+    damped_ = w * std::sqrt((1.0 - damping) * (1.0 + damping));
+    k_ = damping * w / damped_;
+    const double fall = std::exp(-damping * w * period);
+    c_ = fall * std::cos(damped_ * period), s_ = fall * std::sin(damped_ * period);
+  }
+  double damped() const { return damped_; }
+  State after_sample(const State& at) const {
+    return {(c_ + k_ * s_) * at.x + s_ * at.u, (c_ - k_ * s_) * at.u - (1.0 + k_ * k_) * s_ * at.x};
+  }
+  double amplitude(const State& at) const { return std::hypot(at.x, at.u + k_ * at.x); }
+
+ private:
+  double damped_, k_, c_, s_;
+};
+
 }  // namespace
 
 double amplitude_left(std::span<const double> hits, double frequency, double damping, double period) {
-  // x'' + 2 z w x' + w^2 x = 0 between taps, solved exactly; a tap changes x' at once. u is x' over the frequency of
-  // the damped vibration.
-  const double w = 2.0 * std::numbers::pi * frequency, damped = w * std::sqrt((1.0 - damping) * (1.0 + damping));
-  const double k = damping * w / damped, fall = std::exp(-damping * w * period);
-  const double c = fall * std::cos(damped * period), s = fall * std::sin(damped * period);
-  double x = 0.0, u = 0.0;
+  const Oscillator swing(frequency, damping, period);
+  Oscillator::State at;
   for (const double b : hits) {
-    const double before = x;
-    x = (c + k * s) * x + s * u;
-    u = (c - k * s) * u - (1.0 + k * k) * s * before + b;
+    at = swing.after_sample(at);
+    at.u += b;
   }
-  return std::hypot(x, u + k * x);
+  return swing.amplitude(at);
 }
 
 LimitUse verified_vibration(const Filter& filter, const Mode& mode, double period) {
@@ -120,6 +139,36 @@ double displacement_left(std::span<const double> changes, double frequency, doub
 LimitUse verified_residual(std::span<const double> changes, const Mode& mode, double period) {
   const auto left = [&](double f, double z) { return displacement_left(changes, f, z, period); };
   return Scan(left, mode, period, changes.size()).use();
+}
+
+std::vector<double> displacements_left(const RawChanges& changes, const Filter& filter, double frequency,
+                                       double damping, double period) {
+  const Oscillator swing(frequency, damping, period);
+  // Each tap repeats what the hits did, so many samples later. When the last tap's share is at the end of the hits,
+  // that of tap i has swung N - i samples longer.
+  Oscillator::State of_x{}, of_u{};  // what the filter makes of a unit of x, of u
+  for (const double b : filter.taps()) {
+    of_x = swing.after_sample(of_x), of_u = swing.after_sample(of_u);
+    of_x.x += b, of_u.u += b;
+  }
+  std::vector<double> all;
+  Oscillator::State at{};
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < changes.hits.size() && next < changes.judged.size(); ++k) {
+    at = swing.after_sample(at);
+    at.u += changes.hits[k];
+    if (changes.judged[next] != k) continue;
+    ++next;
+    all.push_back(swing.amplitude({at.x * of_x.x + at.u * of_u.x, at.x * of_x.u + at.u * of_u.u}) / swing.damped());
+  }
+  return all;
+}
+
+LimitUse verified_residual(const RawChanges& changes, const Filter& filter, const Mode& mode, double period) {
+  const auto left = [&](double f, double z) {
+    return std::ranges::max(displacements_left(changes, filter, f, z, period));
+  };
+  return Scan(left, mode, period, changes.hits.size() + filter.taps().size()).use();
 }
 
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,

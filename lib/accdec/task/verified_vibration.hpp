@@ -24,6 +24,18 @@ std::vector<double> velocity_changes(const SampledMotion& motion, Event event, s
 double displacement_left(std::span<const double> changes, double frequency, double damping, double period);
 /// Use of the bound of a mode of an axis by those changes, with its worst frequency and damping.
 LimitUse verified_residual(std::span<const double> changes, const Mode& mode, double period);
+
+/// Changes of an axis' velocity in a program before they pass the command's filter, m/s, one a sample.
+struct RawChanges {
+  std::vector<double> hits;
+  std::vector<std::size_t> judged;  ///< hits behind which the motion may go on as if nothing came later; ascending
+};
+/// The displacement, m, that each judged hit and those before it leave a mode with when they have passed the filter.
+std::vector<double> displacements_left(const RawChanges& changes, const Filter& filter, double frequency,
+                                       double damping, double period);
+/// The largest of them for a mode of an axis, with its worst frequency and damping.
+LimitUse verified_residual(const RawChanges& changes, const Filter& filter, const Mode& mode, double period);
+
 /// Use of the bound of a mode of an axis at one corner: the worst of its three events.
 /// @param order  of the command's filter
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,
