@@ -15,8 +15,9 @@ struct VelocityChange {
   bool judged = false;  ///< whether the motion may go on behind it as if nothing came later; the last always may
 };
 
-/// What changes that pass a filter leave of a mode of an axis, m, see `Mode`: for every change that is judged, of it
-/// and all before it, with their phase, at the filter's last tap for it. It is 0 for the others.
+/// The amplitude of a mode of an axis, m, behind changes that pass a filter, see `Mode`. There is one for every change.
+/// It counts the changes up to that one together, with their phase, at the filter's last tap for it. It is 0 for
+/// changes that are not judged.
 /// @param changes  ascending, at least one
 std::vector<double> residuals_behind(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
                                      double sample_period, double damping);
