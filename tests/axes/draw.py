@@ -44,7 +44,10 @@ def _response(rng):
     taps = [rng.random() for _ in range(rng.randrange(2, 9))]
     if rng.random() < 0.5:
         taps += [-0.2 * rng.random() for _ in range(rng.randrange(1, 3))]
-    return [tap / math.fsum(taps) for tap in taps]
+    total = math.fsum(taps)
+    if total < 0.2 * max(taps):  # an undershoot that leaves almost no motion is no servo
+        return _response(rng)
+    return [tap / total for tap in taps]
 
 
 def turned(task):

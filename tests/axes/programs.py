@@ -117,23 +117,25 @@ def check_contour(task, result, command, position):
 
 
 def events(command):
-    """Changes of the command that count together: first sample, last sample, for each axis."""
+    """Changes of the command that count together, for each axis: those until the motion goes on evenly, and those before
+    every corner, behind which it would if nothing came later."""
     changes = np.abs(np.diff(command.raw, axis=0, prepend=0.0)) * command.period > STILL
-    used = np.flatnonzero(command.taps)
-    found, before = [[]], 0
+    span = command.order - np.flatnonzero(command.taps)[0]
+    found, parts, before = [[]], [], 0
     for k in np.flatnonzero(changes.any(axis=1)):
         moves = k > 0 and (np.abs(command.raw[k - 1]) * command.period > STILL).any()
-        if moves and k - before > used[-1] - used[0]:
+        if moves and k - before > span:
             found.append([])
+        if k in command.corners:
+            parts.append(found[-1][:])
         found[-1].append(k)
         before = k
         if k in command.stops:  # the command comes to rest there
             found.append([])
-    return [[[k for k in event if changes[k, a]] for event in found] for a in range(command.raw.shape[1])]
+    return [[[k for k in event if changes[k, a]] for event in found + parts] for a in range(command.raw.shape[1])]
 
 
 def check_modes(task, result, command):
-    last = np.flatnonzero(command.taps)[-1]
     for mode in task.get("mode", []):
         if "axis" not in mode:
             step = np.concatenate([[0.0], np.cumsum(command.taps)])
@@ -145,7 +147,7 @@ def check_modes(task, result, command):
         change = np.diff(command.raw[:, a], prepend=0.0)
         parts = []
         for event in filter(None, events(command)[a]):
-            steps = np.zeros(event[-1] - event[0] + last + 2)
+            steps = np.zeros(event[-1] - event[0] + command.order + 2)
             for k in event:
                 steps[k - event[0] + 1:] += change[k]
             parts.append(machine.delayed_sum(steps, command.taps))
@@ -189,6 +191,7 @@ def check(task, result):
     rest = moved.rest_of(task)
     command = Command(task, result, rest)
     letters = result["commands"]["joint"]
+    command.corners = {round(reached) + 1 for b, reached, _ in command.joints if letters[b] == "c"}
     command.stops = {round(reached) + 1 for b, reached, _ in command.joints if letters[b] == "."}
     if command.samples != result["samples"]:
         raise moved.Differs(f"{result['samples']} samples are said, {command.samples} are commanded")

@@ -10,6 +10,7 @@
 #include <accdec/design.hpp>
 #include <accdec/exact/exact.hpp>
 #include <accdec/exact/relaxation.hpp>
+#include <accdec/verify.hpp>
 
 #include "expect_proved.hpp"
 #include "support/tasks.hpp"
@@ -88,6 +89,33 @@ double least_by_trial(const Task& task) {
   return best;
 }
 
+/// No taps that are there only to end the filter: the last is zero or counts, and zeros at the end are needed.
+void expect_needed_taps(const Task& task, const DesignResult& result) {
+  if (!result.has_design()) return;
+  for (const double tap : result.filter->taps()) EXPECT_FALSE(tap > 0.0 && tap < 1e-12) << tap;
+  const auto taps = result.filter->taps();
+  if (task.design.symmetric || taps.back() > 0.0) return;
+  std::vector<int> delays;
+  for (const CornerResult& c : result.corners) delays.push_back(c.delay);
+  EXPECT_FALSE(verify_by_simulation(task, Filter({taps.begin(), taps.end() - 1}), delays).feasible);
+}
+
+// A strongly damped mode dies away before it swings back: a later tap only adds to it. With exp(z w n T) cos(w_d n T) >
+// 1 nothing leaves less than one tap at 0 and waiting. So the order is the least n with exp(-z w n T) <= r.
+TEST(DampedModes, WaitingIsBestForAStronglyDampedMode) {
+  const double f = 10.0, z = 0.6, w = 2.0 * pi * f * 1e-3;
+  for (const int n : {1, 4, 10}) {
+    ASSERT_GT(std::exp(z * w * n) * std::cos(w * std::sqrt(1.0 - z * z) * n), 1.0);
+    Task task = straight_on();
+    task.machine.modes.push_back({f, f, std::exp(-z * w * n) * (1.0 + 1e-7), z, z});
+    const DesignResult result = design_exact(task);
+    expect_proved(task, result);
+    ASSERT_EQ(result.filter->order(), n);
+    EXPECT_NEAR(result.filter->tap(0), 1.0, 1e-4);
+    for (const double tap : result.filter->taps()) EXPECT_FALSE(tap > 0.0 && tap < 1e-12) << tap;
+  }
+}
+
 TEST(DampedModes, OneCornerAgreesWithAllOrdersDelaysAndSamples) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -106,6 +134,7 @@ TEST(DampedModes, OneCornerAgreesWithAllOrdersDelaysAndSamples) {
     if (i % 4 == 1) task.machine.modes.push_back({70.0, 75.0, 0.2});
     const DesignResult result = design_exact(task);
     expect_proved(task, result);
+    expect_needed_taps(task, result);
     const double expected = least_by_trial(task);
     if (std::isinf(expected)) {
       EXPECT_EQ(result.status, Status::infeasible);

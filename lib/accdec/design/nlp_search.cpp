@@ -239,14 +239,28 @@ class Search {
       last_message_ = result.message;
       return false;
     }
+    const Filter shorter = without_last_zeros(*filter, delays);
+    if (shorter.order() < order) result = assess(task_, shorter, delays, false);
     const double cost = result.objective() / task_.sample_period;
     if (!incumbent_ || cost < incumbent_->cost - 1e-9) {
-      incumbent_ = Candidate{cost, delays, *filter};
+      incumbent_ = Candidate{cost, delays, shorter};
       if (options_.nlp.improved) options_.nlp.improved(result.objective(), at_.counts());
       at_.tell(fmt::format("N = {}: verified {} time {:.3f} ms", order, to_string(task_.design.objective),
                            result.objective() * 1e3));
     }
     return true;
+  }
+
+  /// A filter that holds, without the zero taps at its end that the limits do not need. Symmetric taps lose both ends.
+  Filter without_last_zeros(Filter filter, const std::vector<int>& delays) const {
+    const int ends = task_.design.symmetric ? 2 : 1;
+    while (filter.tap(filter.order()) == 0.0 && filter.order() - ends >= std::max(task_.design.order_min, 0)) {
+      const auto taps = filter.taps();
+      Filter shorter({taps.begin() + (ends - 1), taps.end() - 1});
+      if (assess(task_, shorter, delays, false).status != Status::feasible) break;
+      filter = std::move(shorter);
+    }
+    return filter;
   }
 
   DesignResult finish() {

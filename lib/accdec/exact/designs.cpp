@@ -2,7 +2,6 @@
 #include <limits>
 
 #include <accdec/exact/designs.hpp>
-#include <accdec/exact/last_tap.hpp>
 #include <accdec/exact/one_width.hpp>
 #include <accdec/exact/relaxation.hpp>
 #include <accdec/task/delay_kinds.hpp>
@@ -12,11 +11,20 @@
 
 namespace accdec::exact {
 
+namespace {
+
+bool has_damped_mode(const Task& task) {
+  return std::ranges::any_of(task.machine.modes, [](const Mode& mode) { return mode.damping_high > 0.0; });
+}
+
+}  // namespace
+
 Filter trimmed(const Filter& filter, const Task& task) {
   const DesignBounds& bounds = task.design;
-  const bool damped = std::any_of(task.machine.modes.begin(), task.machine.modes.end(),
-                                  [](const Mode& mode) { return mode.damping_high > 0.0; });
+  const bool damped = has_damped_mode(task);
   std::vector<double> taps(filter.taps().begin(), filter.taps().end());
+  // Rounding of a linear program's solution must not pass for a last tap.
+  for (double& tap : taps) tap = damped && tap < std::numeric_limits<double>::epsilon() ? 0.0 : tap;
   const auto longer = [&](std::size_t by) {
     return static_cast<int>(taps.size()) - 1 - static_cast<int>(by) >= std::max(bounds.order_min, 0);
   };
@@ -26,21 +34,26 @@ Filter trimmed(const Filter& filter, const Task& task) {
     while (!damped && longer(1) && taps.back() == 0.0) taps.pop_back();
     while (!by_one_width(task) && longer(1) && taps.front() == 0.0) taps.erase(taps.begin());
   }
-  if (damped && taps.size() > 1 && taps.back() == 0.0) {
-    taps.back() = end_share;
-    if (bounds.symmetric) taps.front() = end_share;
-  }
   return Filter(std::move(taps));
 }
 
 namespace {
 
-/// The filter and those without some of its zero taps at the beginning, down to the least order. With one in-position
-/// width such taps count: behind each of them, the width gives the same blends delays that are a sample longer.
+/// The filter and those without some of its zero taps that `trimmed` leaves, down to the least order. With one
+/// in-position width zeros at the beginning count: behind each of them, the width gives the same blends delays that are
+/// a sample longer. With a damped mode zeros at the end count, as long as they let enough die away.
 std::vector<Filter> with_fewer_zeros(Filter filter, const Task& task) {
+  const int least = std::max(task.design.order_min, 0);
+  const bool symmetric = task.design.symmetric;
   std::vector<Filter> all{std::move(filter)};
-  while (by_one_width(task) && all.back().tap(0) == 0.0 && all.back().order() > std::max(task.design.order_min, 0)) {
+  while (has_damped_mode(task) && all.back().tap(all.back().order()) == 0.0 &&
+         all.back().order() - (symmetric ? 2 : 1) >= least) {
     const auto taps = all.back().taps();
+    all.push_back(Filter({taps.begin() + (symmetric ? 1 : 0), taps.end() - 1}));
+  }
+  for (std::size_t i = 0; by_one_width(task) && i < all.size(); ++i) {
+    if (all[i].tap(0) != 0.0 || all[i].order() <= least) continue;
+    const auto taps = all[i].taps();
     all.push_back(Filter({taps.begin() + 1, taps.end()}));
   }
   return all;

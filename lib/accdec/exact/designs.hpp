@@ -16,9 +16,8 @@ struct Candidate {
 };
 
 /// The filter without zero taps at its ends, but not below the smallest order allowed. Symmetric taps stay symmetric.
-/// Zeros at the end stay if a mode is damped: in their time it dies away. Its residual counts at the last tap
-/// that is not zero, so the last becomes as small as can be. Zeros at the beginning stay if one in-position width gives
-/// all delays, which they make longer.
+/// Zeros at the end stay if a mode is damped: in their time it dies away, and only trial tells how many are needed.
+/// Zeros at the beginning stay if one in-position width gives all delays, which they make longer.
 Filter trimmed(const Filter& filter, const Task& task);
 
 /// The shortest verified design of a task that is known. Keeps the reference to the model.

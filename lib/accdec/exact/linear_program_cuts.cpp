@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include <accdec/exact/last_tap.hpp>
 #include <accdec/exact/linear_program.hpp>
 #include <accdec/exact/one_width.hpp>
 #include <accdec/exact/window.hpp>
@@ -55,7 +54,7 @@ std::vector<proof::Vibration> broken_modes(const LimitModel& model, const Filter
                                            double slack) {
   const Machine& machine = model.task().machine;
   std::optional<Filter> made;
-  const Filter whole = ended(filter), &command = model.rows.smoothing().behind(whole, made);
+  const Filter& command = model.rows.smoothing().behind(filter, made);
   const auto uses = vibration_utilisation(command, model.task().sample_period, machine);
   std::vector<proof::Vibration> broken;
   std::size_t of_filter = 0;

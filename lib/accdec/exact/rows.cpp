@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include <accdec/exact/last_tap.hpp>
 #include <accdec/exact/rows.hpp>
 
 namespace accdec::exact {
@@ -239,7 +238,7 @@ double ConvexRows::vibration_bound(const proof::Vibration& id, const Box& box) c
 
 bool ConvexRows::breaks_residual(const Filter& filter, const Box& box, std::size_t corner, double slack) const {
   std::optional<Filter> made;
-  const Filter whole = ended(filter), &command = smoothing_.behind(whole, made);
+  const Filter& command = smoothing_.behind(filter, made);
   for (const Mode& mode : task_.machine.modes) {
     if (!mode.of_axis()) continue;
     const Legs v = legs(task_.corners[corner], static_cast<std::size_t>(mode.axis));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <accdec/machine.hpp>
 
@@ -10,11 +11,18 @@ namespace accdec {
 /// A change of the commanded velocity of an axis.
 struct VelocityChange {
   std::int64_t sample = 0;
-  double by = 0.0;  ///< m/s
+  double by = 0.0;      ///< m/s
+  bool judged = false;  ///< whether the motion may go on behind it as if nothing came later; the last always may
 };
 
-/// The worst frequency and damping of a mode of an axis behind changes that pass a filter, see `Mode`. They count
-/// together, with their phase, at the filter's last tap for the last of them. @param changes  ascending, at least one
+/// The amplitude of a mode of an axis, m, behind changes that pass a filter, see `Mode`. There is one for every change.
+/// It counts the changes up to that one together, with their phase, at the filter's last tap for it. It is 0 for
+/// changes that are not judged.
+/// @param changes  ascending, at least one
+std::vector<double> residuals_behind(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
+                                     double sample_period, double damping);
+
+/// The largest of these and its frequency and damping. @param changes  ascending, at least one
 LimitUse residual_utilisation(const Filter& filter, std::span<const VelocityChange> changes, double sample_period,
                               const Mode& mode);
 

@@ -16,8 +16,7 @@ namespace accdec {
 
 double residual_vibration(const Filter& filter, double frequency, double sample_period, double damping) {
   const double w = 2.0 * std::numbers::pi * frequency * sample_period;
-  // The residual counts at the last tap that is not zero: zero taps behind it let nothing die away.
-  const auto taps = filter.taps().first(static_cast<std::size_t>(filter.last_nonzero_tap()) + 1);
+  const auto taps = filter.taps();
   if (damping != 0.0) {
     // Products of std::complex look for infinities.
     const double decay = std::exp(-damping * w), turn = w * std::sqrt(1.0 - damping * damping);
@@ -250,32 +249,50 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
 
 namespace {
 
-/// All changes excite through the same filter, the first ones earlier.
-double amplitude_left_by(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
-                         double sample_period, double damping) {
+/// Tells what is left behind every change that is judged. All changes excite through the same filter, the first ones
+/// earlier.
+template <class Told>
+void tell_left(const Filter& filter, std::span<const VelocityChange> changes, double frequency, double sample_period,
+               double damping, const Told& told) {
   const double natural = 2.0 * std::numbers::pi * frequency, damped = natural * std::sqrt(1.0 - damping * damping);
+  const double of_one = residual_vibration(filter, frequency, sample_period, damping) / damped;
   std::complex<double> left = 0.0;
   std::int64_t before = changes.front().sample;
-  for (const VelocityChange& change : changes) {
-    const double gap = static_cast<double>(change.sample - before) * sample_period;
-    left = left * std::polar(std::exp(-damping * natural * gap), damped * gap) + change.by;
-    before = change.sample;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const double gap = static_cast<double>(changes[i].sample - before) * sample_period;
+    left = left * std::polar(std::exp(-damping * natural * gap), damped * gap) + changes[i].by;
+    before = changes[i].sample;
+    if (changes[i].judged || i + 1 == changes.size()) told(i, of_one * std::abs(left));
   }
-  return residual_vibration(filter, frequency, sample_period, damping) * std::abs(left) / damped;
+}
+
+double amplitude_left_by(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
+                         double sample_period, double damping) {
+  double most = 0.0;
+  tell_left(filter, changes, frequency, sample_period, damping,
+            [&](std::size_t, double left) { most = std::max(most, left); });
+  return most;
 }
 
 }  // namespace
 
+std::vector<double> residuals_behind(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
+                                     double sample_period, double damping) {
+  std::vector<double> all(changes.size(), 0.0);
+  tell_left(filter, changes, frequency, sample_period, damping, [&](std::size_t i, double left) { all[i] = left; });
+  return all;
+}
+
 double residual_amplitude(const Filter& filter, double v1, double v2, int delay, double frequency, double sample_period,
                           double damping) {
-  return amplitude_left_by(filter, std::array{VelocityChange{0, -v1}, VelocityChange{delay, v2}}, frequency,
-                           sample_period, damping);
+  return amplitude_left_by(filter, std::array{VelocityChange{0, -v1, false}, VelocityChange{delay, v2, false}},
+                           frequency, sample_period, damping);
 }
 
 LimitUse residual_utilisation(const Filter& filter, double v1, double v2, int delay, double sample_period,
                               const Mode& mode) {
-  return residual_utilisation(filter, std::array{VelocityChange{0, -v1}, VelocityChange{delay, v2}}, sample_period,
-                              mode);
+  return residual_utilisation(filter, std::array{VelocityChange{0, -v1, false}, VelocityChange{delay, v2, false}},
+                              sample_period, mode);
 }
 
 LimitUse residual_utilisation(const Filter& filter, std::span<const VelocityChange> changes, double sample_period,

@@ -15,22 +15,17 @@ namespace {
 
 constexpr double work_max = 3e8;  // changes times ripples of an event: seconds
 
-/// A residual counts where the motion ends. Zero taps behind it let nothing die away.
-Filter without_last_zeros(const Filter& filter) {
-  const auto taps = filter.taps().first(static_cast<std::size_t>(filter.last_nonzero_tap()) + 1);
-  return Filter({taps.begin(), taps.end()});
-}
-
 /// Gathers the changes of all axes, and judges those that belong together.
 class ModeWatch {
  public:
   ModeWatch(const CommandTiming& timing, const Filter& filter, std::size_t first, const Machine& machine)
       : timing_(timing),
-        filter_(without_last_zeros(filter)),
-        span_(filter.last_nonzero_tap() - filter.first_nonzero_tap()),
+        filter_(filter),
+        span_(filter.order() - filter.first_nonzero_tap()),
         sample_(first == 0 ? timing.dwell_samples(timing.path().dwell_first) : 0),
         block_(first),
-        changes_(timing.path().dimensions()) {
+        changes_(timing.path().dimensions()),
+        blocks_(timing.path().dimensions()) {
     for (const Mode& mode : machine.modes) {
       if (!mode.of_axis()) continue;
       LimitUse use;
@@ -49,6 +44,7 @@ class ModeWatch {
   }
   void joint(std::size_t b, double /*time*/, std::int64_t rest) {
     stops_ = rest > 0 && timing_.path().joint[b] == Joint::stop;
+    if (timing_.path().joint[b] == Joint::corner) corner_ = sample_ + 1;
     block_ = b + 1;
   }
   void finish(Simulation& result) {
@@ -83,7 +79,10 @@ class ModeWatch {
     if (!changed) return;
     if (moved && sample - last_ > span_) judge();
     for (std::size_t a = 0; a < changes_.size(); ++a) {
-      if (std::abs(u[a] - now_[a]) > position_floor) changes_[a].push_back({sample, (u[a] - now_[a]) / period});
+      std::vector<VelocityChange>& changes = changes_[a];
+      if (sample == corner_ && !changes.empty() && !changes.back().judged)
+        changes.back().judged = true, blocks_[a].push_back(last_block_);
+      if (std::abs(u[a] - now_[a]) > position_floor) changes.push_back({sample, (u[a] - now_[a]) / period, false});
     }
     now_ = u;
     last_ = sample;
@@ -101,14 +100,33 @@ class ModeWatch {
       if (changes.empty() || (most <= worst.use.value && most <= allowed)) continue;
       require_little_work(*worst.mode, changes);
       const LimitUse use = residual_utilisation(filter_, changes, timing_.sample_period(), *worst.mode);
-      const std::uint32_t line = timing_.path().line[std::min(last_block_, timing_.path().blocks() - 1)];
-      if (use.value > allowed) broken_.push_back(static_cast<std::uint32_t>(last_block_));
-      if (!(use.value > worst.use.value)) continue;
-      worst.use.value = use.value, worst.use.frequency = use.frequency, worst.use.damping = use.damping;
-      worst.use.line = line;
-      worst.use.sample = changes.back().sample + filter_.last_nonzero_tap();
+      const bool most_so_far = use.value > worst.use.value;
+      if (use.value <= allowed && !most_so_far) continue;
+      if (most_so_far)
+        worst.use.value = use.value, worst.use.frequency = use.frequency, worst.use.damping = use.damping;
+      name_places(worst, use, most_so_far);
     }
     for (auto& changes : changes_) changes.clear();
+    for (auto& blocks : blocks_) blocks.clear();
+  }
+
+  /// The blocks behind which more is left than allowed. @param most  also where most is left
+  void name_places(Worst& worst, const LimitUse& use, bool most) {
+    const auto axis = static_cast<std::size_t>(worst.mode->axis);
+    const std::vector<double> left =
+        residuals_behind(filter_, changes_[axis], use.frequency, timing_.sample_period(), use.damping);
+    const std::size_t where = static_cast<std::size_t>(std::ranges::max_element(left) - left.begin());
+    std::size_t judged = 0;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const bool last = i + 1 == left.size();
+      if (!last && !changes_[axis][i].judged) continue;
+      const std::size_t block = last ? last_block_ : blocks_[axis][judged++];
+      if (left[i] > worst.use.bound * (1.0 + verification_tolerance))
+        broken_.push_back(static_cast<std::uint32_t>(block));
+      if (!most || i != where) continue;
+      worst.use.line = timing_.path().line[std::min(block, timing_.path().blocks() - 1)];
+      worst.use.sample = changes_[axis][i].sample + filter_.order();
+    }
   }
 
   void require_little_work(const Mode& mode, const std::vector<VelocityChange>& changes) const {
@@ -124,13 +142,14 @@ class ModeWatch {
   }
 
   const CommandTiming& timing_;
-  const Filter filter_;
+  const Filter& filter_;
   std::int64_t span_, sample_;  // samples of the filter, less one; commanded so far
   std::size_t block_, last_block_ = 0;
   bool stops_ = false;
-  AxisRow<0> now_{};  // by which the command moves
-  std::int64_t last_ = 0;
+  AxisRow<0> now_{};                                  // by which the command moves
+  std::int64_t last_ = 0, corner_ = 0;                // last change; the first change of a corner
   std::vector<std::vector<VelocityChange>> changes_;  // of every axis
+  std::vector<std::vector<std::size_t>> blocks_;      // of every axis: those of its judged changes
   std::vector<Worst> worst_;
   std::vector<std::uint32_t> broken_;
 };

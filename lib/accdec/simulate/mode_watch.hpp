@@ -13,7 +13,8 @@ namespace accdec {
 ///
 /// Changes of the command's velocity count together, with their phase, until the motion goes on evenly: behind a corner
 /// those of both legs, however long the command rests between them. If moves overlap, it is all their changes. The
-/// vibration left is judged at the filter's last tap for the last change of the axis. A stop ends what came before it.
+/// vibration left is judged at the filter's last tap for the last change of the axis. Before every corner it is judged
+/// in the same way for the changes so far, as if the motion went on evenly. A stop ends what came before it.
 /// @param filter  of the command
 /// @throws std::invalid_argument if moves overlap for so long that this is too much work
 void watch_modes(const CommandTiming& timing, const Filter& filter, std::size_t first, std::size_t last,

@@ -75,31 +75,44 @@ class Scan {
   LimitUse use_{};
 };
 
+/// x'' + 2 z w x' + w^2 x = 0 between hits, solved exactly; a hit changes x' at once.
+class Oscillator {
+ public:
+  struct State {
+    double x = 0.0, u = 0.0;  // u is x' over the frequency of the damped vibration
+  };
+
+  Oscillator(double frequency, double damping, double period) {
+    const double w = 2.0 * std::numbers::pi * frequency;
+    damped_ = w * std::sqrt((1.0 - damping) * (1.0 + damping));
+    k_ = damping * w / damped_;
+    const double fall = std::exp(-damping * w * period);
+    c_ = fall * std::cos(damped_ * period), s_ = fall * std::sin(damped_ * period);
+  }
+  double damped() const { return damped_; }
+  State after_sample(const State& at) const {
+    return {(c_ + k_ * s_) * at.x + s_ * at.u, (c_ - k_ * s_) * at.u - (1.0 + k_ * k_) * s_ * at.x};
+  }
+  double amplitude(const State& at) const { return std::hypot(at.x, at.u + k_ * at.x); }
+
+ private:
+  double damped_, k_, c_, s_;
+};
+
 }  // namespace
 
 double amplitude_left(std::span<const double> hits, double frequency, double damping, double period) {
-  // x'' + 2 z w x' + w^2 x = 0 between taps, solved exactly; a tap changes x' at once. u is x' over the frequency of
-  // the damped vibration.
-  const double w = 2.0 * std::numbers::pi * frequency, damped = w * std::sqrt((1.0 - damping) * (1.0 + damping));
-  const double k = damping * w / damped, fall = std::exp(-damping * w * period);
-  const double c = fall * std::cos(damped * period), s = fall * std::sin(damped * period);
-  double x = 0.0, u = 0.0;
+  const Oscillator swing(frequency, damping, period);
+  Oscillator::State at;
   for (const double b : hits) {
-    const double before = x;
-    x = (c + k * s) * x + s * u;
-    u = (c - k * s) * u - (1.0 + k * k) * s * before + b;
+    at = swing.after_sample(at);
+    at.u += b;
   }
-  return std::hypot(x, u + k * x);
-}
-
-double vibration_left(const Filter& command, double frequency, double damping, double period) {
-  std::span<const double> hits = command.taps();
-  while (hits.size() > 1 && hits.back() == 0.0) hits = hits.first(hits.size() - 1);
-  return amplitude_left(hits, frequency, damping, period);
+  return swing.amplitude(at);
 }
 
 LimitUse verified_vibration(const Filter& filter, const Mode& mode, double period) {
-  const auto left = [&](double f, double z) { return vibration_left(filter, f, z, period); };
+  const auto left = [&](double f, double z) { return amplitude_left(filter.taps(), f, z, period); };
   LimitUse use = Scan(left, mode, period, filter.taps().size()).use();
   use.utilisation = utilisation_of(use.kind, use.value, use.bound);
   // A residual bound of 0 holds if the residual is 0 up to rounding.
@@ -107,13 +120,13 @@ LimitUse verified_vibration(const Filter& filter, const Mode& mode, double perio
   return use;
 }
 
-std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int last, int delay,
+std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int order, int delay,
                                      const Corner& legs) {
   const auto a = static_cast<Eigen::Index>(axis);
   const bool later = event == Event::blend && legs.direction_out[a] != 0.0;
   const int zero = event == Event::start ? motion.start : event == Event::blend ? motion.corner : motion.stop;
   std::vector<double> changes;
-  for (int k = 1; k <= last + 1 + (later ? delay : 0); ++k)
+  for (int k = 1; k <= order + 1 + (later ? delay : 0); ++k)
     changes.push_back(motion.velocity(zero + k, a) - motion.velocity(zero + k - 1, a));
   return changes;
 }
@@ -128,12 +141,42 @@ LimitUse verified_residual(std::span<const double> changes, const Mode& mode, do
   return Scan(left, mode, period, changes.size()).use();
 }
 
+std::vector<double> displacements_left(const RawChanges& changes, const Filter& filter, double frequency,
+                                       double damping, double period) {
+  const Oscillator swing(frequency, damping, period);
+  // Each tap repeats what the hits did, so many samples later. When the last tap's share is at the end of the hits,
+  // that of tap i has swung N - i samples longer.
+  Oscillator::State of_x{}, of_u{};  // what the filter makes of a unit of x, of u
+  for (const double b : filter.taps()) {
+    of_x = swing.after_sample(of_x), of_u = swing.after_sample(of_u);
+    of_x.x += b, of_u.u += b;
+  }
+  std::vector<double> all;
+  Oscillator::State at{};
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < changes.hits.size() && next < changes.judged.size(); ++k) {
+    at = swing.after_sample(at);
+    at.u += changes.hits[k];
+    if (changes.judged[next] != k) continue;
+    ++next;
+    all.push_back(swing.amplitude({at.x * of_x.x + at.u * of_u.x, at.x * of_x.u + at.u * of_u.u}) / swing.damped());
+  }
+  return all;
+}
+
+LimitUse verified_residual(const RawChanges& changes, const Filter& filter, const Mode& mode, double period) {
+  const auto left = [&](double f, double z) {
+    return std::ranges::max(displacements_left(changes, filter, f, z, period));
+  };
+  return Scan(left, mode, period, changes.hits.size() + filter.taps().size()).use();
+}
+
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,
-                           const TaskCorner& corner, int last, int delay, double period) {
+                           const TaskCorner& corner, int order, int delay, double period) {
   LimitUse worst;
   for (const Event event : {Event::start, Event::blend, Event::stop}) {
     const std::vector<double> changes =
-        velocity_changes(command, event, static_cast<std::size_t>(mode.axis), last, delay, corner.geometry());
+        velocity_changes(command, event, static_cast<std::size_t>(mode.axis), order, delay, corner.geometry());
     LimitUse use = verified_residual(changes, mode, period);
     use.event = event;
     use.sample = static_cast<std::int64_t>(changes.size());

@@ -13,23 +13,32 @@ namespace accdec {
 /// Amplitude left after the last hit in an oscillator that is hit once a sample. It is 1 for a single hit of 1.
 /// @param frequency  of the oscillator without damping, Hz  @param period  s
 double amplitude_left(std::span<const double> hits, double frequency, double damping, double period);
-/// The same behind a filter of the command, at its last tap that is not zero.
-double vibration_left(const Filter& command, double frequency, double damping, double period);
 /// Use of a mode's bound by the filter of the command.
 LimitUse verified_vibration(const Filter& filter, const Mode& mode, double period);
 
 /// The changes of an axis' velocity in one event, m/s, from its first sample to the last that changes anything.
-/// @param last  the last tap of the command's filter that is not zero  @param legs  of the corner, to tell whether leg
-/// 2 moves the axis
-std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int last, int delay,
+/// @param order  of the command's filter  @param legs  of the corner, to tell whether leg 2 moves the axis
+std::vector<double> velocity_changes(const SampledMotion& motion, Event event, std::size_t axis, int order, int delay,
                                      const Corner& legs);
 /// The displacement that those changes leave a mode of the axis with, m.
 double displacement_left(std::span<const double> changes, double frequency, double damping, double period);
 /// Use of the bound of a mode of an axis by those changes, with its worst frequency and damping.
 LimitUse verified_residual(std::span<const double> changes, const Mode& mode, double period);
+
+/// Changes of an axis' velocity in a program before they pass the command's filter, m/s, one a sample.
+struct RawChanges {
+  std::vector<double> hits;
+  std::vector<std::size_t> judged;  ///< hits behind which the motion may go on as if nothing came later; ascending
+};
+/// The displacement, m, that each judged hit and those before it leave a mode with when they have passed the filter.
+std::vector<double> displacements_left(const RawChanges& changes, const Filter& filter, double frequency,
+                                       double damping, double period);
+/// The largest of them for a mode of an axis, with its worst frequency and damping.
+LimitUse verified_residual(const RawChanges& changes, const Filter& filter, const Mode& mode, double period);
+
 /// Use of the bound of a mode of an axis at one corner: the worst of its three events.
-/// @param last  the last tap of the command's filter that is not zero
+/// @param order  of the command's filter
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,
-                           const TaskCorner& corner, int last, int delay, double period);
+                           const TaskCorner& corner, int order, int delay, double period);
 
 }  // namespace accdec

@@ -87,20 +87,9 @@ double settling_time(const SampledMotion& m, const TaskCorner& corner, int order
   return samples * period;
 }
 
-/// The filter behind the control's smoothing.
-Filter smoothed_filter(const Filter& filter, const Machine& machine) {
-  if (machine.prefilter_taps.empty()) return filter;
-  std::vector<double> taps(static_cast<std::size_t>(filter.order()) + machine.prefilter_taps.size(), 0.0);
-  for (std::size_t j = 0; j < machine.prefilter_taps.size(); ++j) {
-    for (int i = 0; i <= filter.order(); ++i)
-      taps[static_cast<std::size_t>(i) + j] += filter.tap(i) * machine.prefilter_taps[j];
-  }
-  return Filter(std::move(taps));
-}
-
-/// The last tap that is not zero of the filter behind the control's smoothing.
-int last_of_command(const Filter& filter, const Machine& machine) {
-  return smoothed_filter(filter, machine).last_nonzero_tap();
+/// Order of the filter behind the control's smoothing.
+int command_order(const Filter& filter, const Machine& machine) {
+  return filter.order() + std::max(0, static_cast<int>(machine.prefilter_taps.size()) - 1);
 }
 
 struct Measures {
@@ -140,7 +129,7 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
   for (const Mode& mode : task.machine.modes) {
     if (!mode.of_axis()) continue;
     out.uses.push_back(verified_residual(sampled.command, mode, task.machine, corner,
-                                         last_of_command(filter, task.machine), delay, task.sample_period));
+                                         command_order(filter, task.machine), delay, task.sample_period));
   }
 }
 
@@ -166,6 +155,17 @@ Measures measure_corners(const Task& task, const Filter& filter, const std::vect
     std::move(part.corners.begin(), part.corners.end(), std::back_inserter(all.corners));
   }
   return all;
+}
+
+/// The filter behind the control's smoothing.
+Filter smoothed_filter(const Filter& filter, const Machine& machine) {
+  if (machine.prefilter_taps.empty()) return filter;
+  std::vector<double> taps(static_cast<std::size_t>(filter.order()) + machine.prefilter_taps.size(), 0.0);
+  for (std::size_t j = 0; j < machine.prefilter_taps.size(); ++j) {
+    for (int i = 0; i <= filter.order(); ++i)
+      taps[static_cast<std::size_t>(i) + j] += filter.tap(i) * machine.prefilter_taps[j];
+  }
+  return Filter(std::move(taps));
 }
 
 }  // namespace
@@ -215,7 +215,7 @@ Task corner_alone(const Task& task, const TaskCorner& corner) {
 double value_where(const Task& task, const Filter& filter, const std::vector<int>& delays, const LimitUse& use,
                    const std::vector<double>& parts) {
   if (use.kind == LimitKind::vibration)
-    return vibration_left(smoothed_filter(filter, task.machine), use.frequency, use.damping, task.sample_period);
+    return amplitude_left(smoothed_filter(filter, task.machine).taps(), use.frequency, use.damping, task.sample_period);
   for (std::size_t j = 0; j < task.corners.size(); ++j) {
     if (task.corners[j].name != use.corner) continue;
     const SampledResponse sampled = simulate_response(filter, task.corners[j].geometry(), delays[j], task.sample_period,
@@ -239,7 +239,7 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
     if (use.kind == LimitKind::residual) {
       std::size_t a = 0;
       while (a + 1 < task.machine.axes.size() && task.machine.axes[a].name != use.axis) ++a;
-      return displacement_left(velocity_changes(sampled.command, use.event, a, last_of_command(filter, task.machine),
+      return displacement_left(velocity_changes(sampled.command, use.event, a, command_order(filter, task.machine),
                                                 delays[j], task.corners[j].geometry()),
                                use.frequency, use.damping, task.sample_period);
     }

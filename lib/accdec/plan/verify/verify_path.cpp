@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -102,6 +103,7 @@ class OffBlocks {
 /// Changes of the command that count together.
 struct Together {
   std::vector<std::pair<std::int64_t, double>> of_axis;  // sample, m/s
+  std::vector<std::int64_t> before_corners;              // the last of these samples before each corner
 };
 
 /// @param command  that no filter has passed
@@ -123,13 +125,16 @@ std::vector<Together> together(const DirectMotion& command, const Toolpath& path
     if (!changed) continue;
     const std::int64_t now = static_cast<std::int64_t>(k) + left_out;
     if (moved && now - last > span) all.emplace_back();
-    const double by = velocity[axis][k] - velocity[axis][k - 1];
-    if (std::abs(by) > still) all.back().of_axis.emplace_back(now, by);
-    last = now;
-    // The change to rest at a stop ends what came before.
     while (joint < command.windows.size() && command.windows[joint].first + 1 < static_cast<std::int64_t>(k)) ++joint;
     const bool reached =
         joint < command.windows.size() && command.windows[joint].first + 1 == static_cast<std::int64_t>(k);
+    Together& event = all.back();
+    if (reached && path.joint[joint] == Joint::corner && !event.of_axis.empty())
+      event.before_corners.push_back(event.of_axis.back().first);
+    const double by = velocity[axis][k] - velocity[axis][k - 1];
+    if (std::abs(by) > still) event.of_axis.emplace_back(now, by);
+    last = now;
+    // The change to rest at a stop ends what came before.
     const bool rests = std::ranges::all_of(velocity, [&](const auto& v) { return std::abs(v[k]) <= still; });
     if (reached && rests && path.joint[joint] == Joint::stop) all.emplace_back();
   }
@@ -147,16 +152,22 @@ UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double
                        const Filter& filter, const Mode& mode) {
   const auto axis = static_cast<std::size_t>(mode.axis);
   const DirectMotion raw = direct_motion(path, period, delays, BlockFilters{{Filter({1.0})}, {}, filter.order()});
-  const int first = filter.first_nonzero_tap(), last = filter.last_nonzero_tap();
   std::map<std::size_t, double> left;  // by kept sample
-  for (const Together& event : together(raw, path, period, axis, last - first)) {
+  for (const Together& event : together(raw, path, period, axis, filter.order() - filter.first_nonzero_tap())) {
     if (event.of_axis.empty()) continue;
-    const std::int64_t begin = event.of_axis.front().first, end = event.of_axis.back().first + last;
-    std::vector<double> changes(static_cast<std::size_t>(end - begin) + 1, 0.0);
-    for (const auto& [sample, by] : event.of_axis) {
-      for (int i = first; i <= last; ++i) changes[static_cast<std::size_t>(sample - begin + i)] += by * filter.tap(i);
+    const std::int64_t begin = event.of_axis.front().first, end = event.of_axis.back().first;
+    RawChanges changes{std::vector<double>(static_cast<std::size_t>(end - begin) + 1, 0.0), {}};
+    for (const auto& [sample, by] : event.of_axis) changes.hits[static_cast<std::size_t>(sample - begin)] += by;
+    std::set<std::int64_t> judged(event.before_corners.begin(), event.before_corners.end());
+    judged.insert(end);
+    for (const std::int64_t sample : judged) changes.judged.push_back(static_cast<std::size_t>(sample - begin));
+    const LimitUse worst = verified_residual(changes, filter, mode, period);
+    const std::vector<double> each = displacements_left(changes, filter, worst.frequency, worst.damping, period);
+    for (std::size_t i = 0; i < each.size(); ++i) {
+      const std::int64_t at = begin + static_cast<std::int64_t>(changes.judged[i]) + filter.order();
+      double& there = left[static_cast<std::size_t>(command.kept(at))];
+      there = std::max(there, each[i]);
     }
-    left[static_cast<std::size_t>(command.kept(end))] = verified_residual(changes, mode, period).value;
   }
   return {LimitKind::residual, mode.displacement_max, command, [left = std::move(left)](std::size_t k) {
             const auto at = left.find(k);

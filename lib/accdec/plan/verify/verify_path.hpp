@@ -13,8 +13,9 @@ namespace accdec {
 /// @param order  of the longest filter of the motion
 UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order);
 
-/// The use of a mode of an axis, wherever the motion goes on evenly or stops. The changes of the command are hits that
-/// the taps spread, and the oscillator is followed sample by sample.
+/// The use of a mode of an axis, wherever the motion goes on evenly or stops, and before every corner of what was left
+/// by then. The oscillator is followed sample by sample from hit to hit of the command, and the taps add up what they
+/// make of it.
 /// @param command  its motion, whose samples count; the reference is kept  @param filter  of the command
 UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double period, std::span<const int> delays,
                        const Filter& filter, const Mode& mode);
