@@ -127,7 +127,8 @@ void add_modes(CLI::App& app, Context& context) {
   command->add_option("log", arguments->log, "Table of times and accelerations (or positions) of the axes")
       ->required()
       ->type_name("LOG.csv");
-  command->add_option("--task", arguments->task, "Say what bounds on the modes cost this task")->type_name("TASK.toml");
+  command->add_option("--task", arguments->task, "Also say how much time limits on these modes add to this task")
+      ->type_name("TASK.toml");
   add_output_option(*command, "--out", arguments->out, "Write [[mode]] to FILE; - is standard output, the default");
   add_output_option(*command, "--figure", arguments->figure, "Draw spectrum and modes: .svg, .png, .pdf or .html");
   command->add_option("--from-hz", arguments->frequency_min, "Lowest frequency of a mode (default 5)")

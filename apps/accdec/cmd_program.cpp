@@ -294,7 +294,7 @@ void add_inputs(CLI::App& command, ProgramArguments& options) {
       ->needs(table);
   command
       .add_option("--tool-length", options.tool_length_mm,
-                  "Length of every tool for G43, instead of a tool table; 0 if Z is always that of the tool's tip")
+                  "Length of every tool for G43, instead of a tool table; 0 if the program's Z is the tool tip")
       ->type_name("MM")
       ->check(number_between(-1e6, 1e6))
       ->excludes(table);

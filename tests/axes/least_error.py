@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The corner of problems/corner/acceleration-jerk.toml behind a position control of Kv = 200 1/s without feedforward:
-no filter and delay of 49 samples keep 50 um, some of 50 samples do. Linear programmes over the taps for every delay and
+no filter and delay of 49 samples keep 50 um, some of 50 samples do. Linear programs over the taps for every delay and
 sample: the error is at least its part along each of many directions, so what they find is a lower bound."""
 import math
 import sys

@@ -2,7 +2,7 @@
 """Corners at which an axis with dry friction reverses: nothing is shorter than what accdec proves.
 reversals.py --binary ACCDEC [--count N] [--seed S]
 
-Linear programmes over the taps for every delay, sample nearest to the corner and sample at which each axis reverses.
+Linear programs over the taps for every delay, sample nearest to the corner and sample at which each axis reverses.
 With that sample the sign of the friction is known in every sample. The error is at least its part along each of many
 directions. The task CORNER and random ones: no taps and delay one sample shorter than the proved design hold all
 limits. Some do if friction helps all the time, so that the proofs depend on the reversal."""

@@ -14,7 +14,7 @@
 #include "expect_proved.hpp"
 #include "support/tasks.hpp"
 
-// Dry friction of axes that reverse at a corner. By linear programmes that share no code: tests/axes/reversals.py.
+// Dry friction of axes that reverse at a corner. By linear programs that share no code: tests/axes/reversals.py.
 
 namespace accdec {
 namespace {

@@ -1,4 +1,4 @@
-// The bound for any motion beside the fastest motions of small programs, by linear programmes over all samples.
+// The bound for any motion beside the fastest motions of small programs, by linear programs over all samples.
 
 #include <algorithm>
 #include <array>
@@ -147,7 +147,7 @@ Legs random_legs(std::mt19937& random, int count, double shortest, double tolera
 TEST(FreeBound, IsNotAboveTheFastestMotionsOfSmallPrograms) {
   std::mt19937 random(3);
   constexpr double T = 8e-3;
-  for (int i = 0; i < 1; ++i) {  // some thousand linear programmes each
+  for (int i = 0; i < 1; ++i) {  // some thousand linear programs each
     const Machine machine = test::machine_of(1.0, i % 2 == 1 ? 20.0 : unlimited);
     const Legs legs = random_legs(random, 3, 1.2e-3, i % 2 == 0 ? 3e-4 : 1e-4);
     const double bound = any_motion_bound(test::path_of(legs.program(), machine), machine, T, 60.0).time;

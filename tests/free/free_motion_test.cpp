@@ -46,7 +46,7 @@ void expect_holds(const ProgramResult& result, const Task& task) {
   EXPECT_THAT(verify_program_result(result, task).reasons, testing::IsEmpty());
 }
 
-// Clp solves a linear programme over all samples. It passes the corner in its middle and stays within polygons
+// Clp solves a linear program over all samples. It passes the corner in its middle and stays within polygons
 // inscribed in tube and discs, so the free motion may be shorter. No motion is shorter than the bound. A window that
 // slides from a local beginning may end two samples above the optimum.
 TEST(FreeMotion, OfOneCornerIsTheOptimumOfALinearProgramme) {

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double T = 1e-3;
 
-/// The longest way from rest to rest in so many samples, m, by Clp: a linear programme over the steps along a line.
+/// The longest way from rest to rest in so many samples, m, by Clp: a linear program over the steps along a line.
 /// @param part  of the direction, by axis
 double longest(const std::vector<Axis>& axes, const std::vector<double>& part, double feed, int count) {
   std::vector<CoinBigIndex> start{0};

@@ -183,11 +183,16 @@ The programs are of [league.md](league.md), and `tests/peers/arc-corners.ngc` wi
 LinuxCNC's times of the latter vary by a few ms from run to run. On a busy computer it once read the program too late to
 look ahead at its start: 5.722 s instead of 5.464 s.
 
-Not run, so not known: real machines, whose buffers may run empty; other versions of these controls; Klipper with an
-extruder; LinuxCNC with [TRAJ] limits below those of the axes, or with helices at corners. `--as linuxcnc-2.9` also
-estimates moves of other axes than X Y Z. With an axis A (`PEER_AXIS_A=1`), LinuxCNC took 5.646 s for
-`rotary-stops.ngc`, estimated 5.644 s, and 6.259 s for `rotary.ngc`, estimated 6.362 s. The other estimates refuse such
-moves.
+Not run, so not known:
+
+* real machines, whose buffers may run empty
+* other versions of these controls
+* Klipper with an extruder
+* LinuxCNC with [TRAJ] limits below those of the axes, or with helices at corners
+
+`--as linuxcnc-2.9` also estimates moves of other axes than X Y Z. With an axis A (`PEER_AXIS_A=1`), LinuxCNC took 5.646
+s for `rotary-stops.ngc`, estimated 5.644 s, and 6.259 s for `rotary.ngc`, estimated 6.362 s. The other estimates refuse
+such moves.
 """
 
 

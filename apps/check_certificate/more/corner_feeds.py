@@ -10,6 +10,7 @@ from problem import ROUNDING
 from tree import Tree
 
 MOST_WAYS, KINDS = 20000, {"corner-feed", "continuous", "exact-stop"}
+IN_PROPORTION = {"velocity", "acceleration", "jerk", "force"}
 SETTLED = "; each corner feed lasts until the motion has settled"  # shorter ones are not looked at
 of_families = claim.CHECKS["families"]
 
@@ -17,7 +18,7 @@ of_families = claim.CHECKS["families"]
 def require_known(problem):
     """A stop at feed asks no more than a start then, and a slower corner no more than a faster one."""
     for axis in problem.axes:
-        loads = axis.damping or axis.coulomb or axis.lines or {"power", "regeneration"} & axis.limits.keys()
+        loads = axis.damping or axis.coulomb or axis.lines or axis.limits.keys() - IN_PROPORTION
         refuse_if(loads, "corner feeds with limits that are not in proportion to the feed")
     refuse_if(any(mode.most_damping or mode.axis is not None for mode in problem.modes) or problem.supply,
               "corner feeds with modes of axes or with damping, or with a supply")

@@ -33,7 +33,8 @@ def program(file: Union[str, "os.PathLike[str]"], task: TaskLike, *, plan: str =
         "fixed": one filter for the whole program. "profiles": a filter and a speed for every corner, for controllers
         that take a position every cycle. "profiles" also makes the plan "fixed", and motions along the
         arcs, whose plan is "free". It returns the fastest one that keeps all limits. "free": the fastest one,
-        shortened by convex programmes over its samples as far as limits, feeds and tolerances allow; see the command line's page.
+        shortened by convex programs over its samples as far as limits, feeds and tolerances allow. See the page of the
+        command line.
     feeds : {"choose", "keep"}
         "choose": F is an upper bound. "keep": every block has its programmed feed; only with plan "fixed".
     arc_tolerance : float, optional

@@ -6,6 +6,8 @@
 
 #include <accdec/batch/shards.hpp>
 
+// Arrays of Slurm: the plan and its scripts in cluster_plan.cpp, submission and state in cluster_jobs.cpp.
+
 namespace accdec {
 
 /// A Slurm array that was submitted, and the merge that waits for it.

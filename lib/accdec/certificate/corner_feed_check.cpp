@@ -39,8 +39,8 @@ class FeedWays {
 /// Limits for which a stop at feed asks no more than a start, and a slower corner no more than a faster one.
 void require_known(const Task& task) {
   const auto known = [](const Axis& axis) {
-    return axis.damping == 0.0 && axis.coulomb == 0.0 && axis.power_max == unlimited &&
-           axis.regeneration_max == unlimited && axis.force_speed_max == unlimited;
+    return axis.damping == 0.0 && axis.coulomb == 0.0 &&
+           !limited_beside(axis, {LimitKind::velocity, LimitKind::acceleration, LimitKind::jerk, LimitKind::force});
   };
   const auto undamped = [](const Mode& mode) { return !mode.of_axis() && mode.damping_high == 0.0; };
   const auto open = [](const TaskCorner& corner) { return corner.speed_min == 0.0 && !corner.delay; };

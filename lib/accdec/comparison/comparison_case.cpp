@@ -219,4 +219,14 @@ std::string ComparisonCase::asks() const {
   return "";
 }
 
+void describe(batch::Row& row, const char* question, const ComparisonCase& subject) {
+  const CaseSpec& spec = subject.spec();
+  row["problem"] = spec.name;
+  row["family"] = spec.family;
+  row[question] = to_string(spec.question);
+  row["asks"] = subject.asks();
+  row["size"] = spec.size;
+  row["order"] = spec.order;
+}
+
 }  // namespace accdec::comparison

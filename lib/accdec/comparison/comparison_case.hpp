@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/batch/row_numbers.hpp>
 #include <accdec/certificate/instance_proof.hpp>
 #include <accdec/design/formulation.hpp>
 #include <accdec/result.hpp>
@@ -95,6 +96,10 @@ class ComparisonCase {
   std::unique_ptr<nlp::Problem> sparse_, reduced_;
   std::vector<std::size_t> common_;  ///< sparse variable of each reduced one
 };
+
+/// Adds what a case is to a record of it: problem, family, question, size, order.
+/// @param question  the key of the question
+void describe(batch::Row& row, const char* question, const ComparisonCase& subject);
 
 /// Knowledge of a case's optimum from none of the compared solvers.
 struct Reference {

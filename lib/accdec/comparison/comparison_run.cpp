@@ -172,12 +172,7 @@ batch::Row Comparison::beginning_of_reference(std::size_t case_index, const Comp
   row["index"] = case_index;
   row["key"] = key(case_index);
   row["case"] = case_index;
-  row["problem"] = spec.name;
-  row["family"] = spec.family;
-  row["question"] = to_string(spec.question);
-  row["asks"] = subject.asks();
-  row["size"] = spec.size;
-  row["order"] = spec.order;
+  describe(row, "question", subject);
   row["variables"] = subject.variables();
   row["rows"] = subject.rows();
   row["time_limit_s"] = spec.time_limit > 0.0 ? spec.time_limit : settings_.time_limit;

@@ -90,12 +90,7 @@ class Writer {
       stem = fmt::format("{}.{}", stem_of(spec), n);
     stems_.push_back(stem);
     Json entry;
-    entry["problem"] = spec.name;
-    entry["family"] = spec.family;
-    entry["formulation"] = to_string(spec.question);
-    entry["asks"] = subject.asks();
-    entry["size"] = spec.size;
-    entry["order"] = spec.order;
+    describe(entry, "formulation", subject);
     try {
       write(entry, stem, subject);
     } catch (const std::invalid_argument& reason) {

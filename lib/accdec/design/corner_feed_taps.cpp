@@ -33,8 +33,8 @@ bool covered(const Task& task) {
     return kind == DelayKind::corner_feed || kind == DelayKind::continuous || kind == DelayKind::exact_stop;
   };
   const auto plain = [](const Axis& axis) {
-    return axis.damping == 0.0 && axis.coulomb == 0.0 && axis.power_max == unlimited &&
-           axis.regeneration_max == unlimited && axis.force_speed_max == unlimited;
+    return axis.damping == 0.0 && axis.coulomb == 0.0 &&
+           !limited_beside(axis, {LimitKind::velocity, LimitKind::acceleration, LimitKind::jerk, LimitKind::force});
   };
   const auto undamped = [](const Mode& mode) { return !mode.of_axis() && mode.damping_high == 0.0; };
   const auto open = [](const TaskCorner& corner) { return corner.speed_min == 0.0 && !corner.delay; };

@@ -20,7 +20,8 @@ namespace accdec::exact {
 /// For expensive delays the target leaves only short filters, so lemmas of small orders refute nodes late in the tree.
 ///
 /// A few nodes are worked on at a time, each by its own prover. Their results are joined in the order of the nodes, so
-/// design and proof do not depend on the number of threads.
+/// design and proof do not depend on the number of threads. The first bound, from single corners, is in
+/// joint_first_bound.cpp, and the proof in joint_proof.cpp.
 class Joint {
  public:
   /// @param designs  holds the best design known, finite; better ones are put there

@@ -59,7 +59,7 @@ std::vector<Key> mode_keys() {
            .meaning = "the axis that vibrates, for `residual_max_um`",
            .example = "\"x\""},
           {.name = "residual_max_um",
-           .meaning = "instead of `residual_max`: allowed amplitude of that axis behind starts, corners and stops; of "
+           .meaning = "instead of `residual_max`: allowed amplitude of that axis after starts, corners and stops; of "
                       "axes a, b and c in thousandths of a degree",
            .unit = "um",
            .range = {0.0, 1e6, true},

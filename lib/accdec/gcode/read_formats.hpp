@@ -3,7 +3,7 @@
 #include <accdec/gcode/move_sink.hpp>
 #include <accdec/simulate.hpp>
 
-// The formats of programs; `read_program` chooses one.
+// The formats of programs, in rs274.cpp, canonical.cpp and csv.cpp; `read_program` (reader.cpp) chooses one.
 
 namespace accdec {
 

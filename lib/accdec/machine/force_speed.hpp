@@ -9,6 +9,10 @@
 
 namespace accdec {
 
+/// The largest force that an axis ever has, N.
+inline double force_limit(const Axis& axis) {
+  return std::min(axis.force_max, axis.force_speed_max);
+}
 /// A force at a speed, scaled to standstill: the curve's first force where the sample is on the curve, and in
 /// proportion to the sample elsewhere. As the curve is concave, that is the largest of one value a line:
 ///   f_0 (|F| + s |V'|)/f  for the line |F| = f - s |V'|,

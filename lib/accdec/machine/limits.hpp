@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -186,6 +187,12 @@ inline bool limited(const Axis& axis) {
     if (axis.*limit.bound < unlimited) return true;
   }
   return false;
+}
+/// Whether the axis has a limit of another kind than these.
+inline bool limited_beside(const Axis& axis, std::initializer_list<LimitKind> kinds) {
+  return std::ranges::any_of(axis_limits, [&](const AxisLimit& limit) {
+    return axis.*limit.bound < unlimited && std::ranges::find(kinds, limit.kind) == kinds.end();
+  });
 }
 
 }  // namespace accdec

@@ -16,6 +16,9 @@ namespace accdec {
 /// acceleration. The motion is sampled at T. Only where it stops it waits for the next sample. Sampling keeps limits.
 /// The second difference of the samples over T^2 is a weighted mean of the acceleration, and the third over T^3 is one
 /// of the jerk. At the end the samples pass a filter; at rest they wait until it is empty.
+///
+/// `Motion` gives whole plans and names blocks. Planners and checks use this class, because they also need parts of a
+/// chain, phases, places in corners, and the number of samples passed over.
 class ProfileMotion {
  public:
   /// References are kept.

@@ -50,8 +50,10 @@ struct StudySummary {
 /// run continues it and uses none of the older results. These stay in the folder until the new ones are complete. A
 /// shard writes only its journal, shard-I-of-N.journal.
 /// @throws OutputError for a folder with anything but this study's results in it (nothing is changed then), or one that
-/// cannot be written; InputError for a study too large without the flag, at the key that makes it so. For a shard that
-/// does not exist, and for a merge with points missing (it names their shards): std::invalid_argument.
+/// cannot be written
+/// @throws InputError for a study too large without the flag, at the key that makes it so
+/// @throws std::invalid_argument for a shard that does not exist, and for a merge with points missing (it names their
+/// shards)
 StudySummary run_study(const Study& study, const StudyRunOptions& options);
 
 /// @throws InputError for a study too large, at what makes it so. @param large  allow more than `large_study` points

@@ -132,10 +132,7 @@ namespace {
 
 /// Whether no limit of the axis is of another kind than velocity, acceleration and jerk.
 bool limits_motion_only(const Axis& axis) {
-  return std::ranges::all_of(axis_limits, [&](const AxisLimit& limit) {
-    return limit.kind == LimitKind::velocity || limit.kind == LimitKind::acceleration ||
-           limit.kind == LimitKind::jerk || axis.*limit.bound >= unlimited;
-  });
+  return !limited_beside(axis, {LimitKind::velocity, LimitKind::acceleration, LimitKind::jerk});
 }
 
 }  // namespace

@@ -128,19 +128,23 @@ struct ServoReport {
   double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
 };
 
-/// The answer of `accdec program`, whatever the plan; `accdec.program/2` in JSON.
-struct ProgramResult {
-  std::string program;  ///< the file
-  Status status = Status::failed;
-  ToolpathOptions reading;     ///< of the plan's path, by run_program_file
-  double sample_period = 0.0;  ///< s
-  Machine task_machine;        ///< the task's
-  Plan plan;
-  std::vector<double> errors;         ///< m, of the joint at the end of every block of the plan's path
-  SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
+/// The program and the task of a result: the same for every plan.
+struct ProgramSubject {
+  std::string program;                ///< the file
+  ToolpathOptions reading;            ///< of the plan's path, by run_program_file
+  double sample_period = 0.0;         ///< s
+  Machine task_machine;               ///< the task's
   std::size_t programmed_blocks = 0;  ///< that move
   std::size_t programmed_moves = 0;   ///< straight moves of the program, chords of its arcs one by one; the plan's path
                                       ///< has more where it steps its feeds
+};
+
+/// The answer of `accdec program`, whatever the plan; `accdec.program/2` in JSON.
+struct ProgramResult : ProgramSubject {
+  Status status = Status::failed;
+  Plan plan;
+  std::vector<double> errors;         ///< m, of the joint at the end of every block of the plan's path
+  SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
   bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
   std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
   std::vector<SlowedFeeds> too_fast;  ///< of these, those that start or stop too fast for the filter
@@ -190,8 +194,8 @@ const std::vector<std::string>& estimated_controls();
 /// @throws std::invalid_argument for another control
 std::vector<std::string> parameters_of_control(std::string_view control);
 
-/// Runs the rules of a control's planner on a program, with its look-ahead always full. Rules and sources are in
-/// lib/accdec/estimate.
+/// Runs the rules of a control's planner on a program, with its look-ahead always full. The page estimates.md
+/// has the sources.
 /// @param path     as it was read
 /// @param machine  the task's; axes are found by their names
 /// @param given    parameters by their names, in the units of ControlParameter
@@ -207,7 +211,7 @@ std::vector<ControlEstimate> estimate_times(const Toolpath& path, const Machine&
                                             const std::vector<std::string>& controls,
                                             const std::map<std::string, double>& given = {});
 
-/// "klipper would take 12.34 s: an estimate with ..", and what the control does not know, in lines that end with a line
+/// "klipper would take 12.34 s: an estimate with ..", and what the control does not know. Each line ends with a line
 /// feed. @param plan_time  s, of accdec's plan; 0: there is none
 std::string estimate_text(const ControlEstimate& estimate, double plan_time);
 

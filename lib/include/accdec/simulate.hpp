@@ -138,35 +138,15 @@ struct PathArc {
   double from(const double* point, double& dx, double& dy) const;  ///< the centre: the distance, m, and its direction
 };
 
-/// The straight moves of a program in the order of execution; block b leads from point b to point b + 1, and joint b is
-/// the one at its end. Moves of no length are not kept. About 45 bytes a block for two axes.
-struct Toolpath {
-  std::vector<std::size_t> axes;    ///< which of `program_axes` move, ascending: the columns of the points
-  std::vector<double> points;       ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
-  std::vector<double> duration;     ///< s per block, > 0
-  std::vector<double> tolerance;    ///< m, of every joint; unlimited if it has none
-  double narrowed = 0.0;            ///< m: beside arcs and splines this much of it at most is left for their chords
-  std::vector<Joint> joint;         ///< one per block; the last is `stop`
-  std::vector<std::uint32_t> line;  ///< of every block
-  std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow
-  std::vector<std::uint8_t> inside_arc;  ///< whether the joint lies between two chords of one arc
-  std::vector<PathArc> arcs;             ///< ascending
-  std::vector<double> programmed;        ///< rows as points, the program's; empty: compensate_arcs moved none
-  bool widen_arcs = false;               ///< the commanded radius of arcs may be widened
-  double contour_max = unlimited;        ///< m, largest distance of the motion from the blocks that it passes
-  ControlDelays control;                 ///< the delays that its corners can be given
-  std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
-  double dwell_first = 0.0;                             ///< before the first block, s
-  ProgramPoint begin{};                                 ///< where the program begins, m, axes that never move included
-  /// Delays that the program brings along: at the end of which block, s; ascending.
-  std::vector<std::pair<std::uint32_t, double>> given_delays;
-  struct KeptWords {
-    std::uint32_t block = 0;  ///< before which one
-    std::string words;        ///< as to be written
-    /// A dwell of the program (`dwell` above has its time); a line number or comment on the block's own line.
-    bool dwell = false, with_block = false;
-  };
-  std::vector<KeptWords> kept_words;   ///< dwells, and words that are not about motion, in their order
+/// The members of a toolpath that do not change when its blocks are split.
+struct ToolpathFrame {
+  std::vector<std::size_t> axes;       ///< which of `program_axes` move, ascending: the columns of the points
+  double narrowed = 0.0;               ///< m: beside arcs and splines this much of it at most is left for their chords
+  bool widen_arcs = false;             ///< the commanded radius of arcs may be widened
+  double contour_max = unlimited;      ///< m, largest distance of the motion from the blocks that it passes
+  ControlDelays control;               ///< the delays that its corners can be given
+  double dwell_first = 0.0;            ///< before the first block, s
+  ProgramPoint begin{};                ///< where the program begins, m, axes that never move included
   std::vector<std::uint32_t> clamped;  ///< lines of feeds above an axis' velocity limit, lowered to it; ascending
   Plane plane = Plane::xy;             ///< in force for most of the way of feed moves
   bool percent = false;                ///< the program stands between two %
@@ -180,6 +160,30 @@ struct Toolpath {
   std::vector<Selected> systems;          ///< G54 to G59.3 with moves in them, each once, by their first line
   std::optional<std::int64_t> length_at;  ///< line of the first G43 that takes a length, which counts as 0
   std::int64_t empty_moves = 0;           ///< moves of no length that were left out
+};
+
+/// The straight moves of a program in the order of execution; block b leads from point b to point b + 1, and joint b is
+/// the one at its end. Moves of no length are not kept. About 45 bytes a block for two axes.
+struct Toolpath : ToolpathFrame {
+  std::vector<double> points;       ///< (blocks + 1) rows, m; see `program_axes` for rotary axes
+  std::vector<double> duration;     ///< s per block, > 0
+  std::vector<double> tolerance;    ///< m, of every joint; unlimited if it has none
+  std::vector<Joint> joint;         ///< one per block; the last is `stop`
+  std::vector<std::uint32_t> line;  ///< of every block
+  std::vector<std::uint8_t> rapid;  ///< whether a block is a rapid move: its duration is what the velocity limits allow
+  std::vector<std::uint8_t> inside_arc;  ///< whether the joint lies between two chords of one arc
+  std::vector<PathArc> arcs;             ///< ascending
+  std::vector<double> programmed;        ///< rows as points, the program's; empty: compensate_arcs moved none
+  std::vector<std::pair<std::uint32_t, double>> dwell;  ///< at the end of which block, s; ascending
+  /// Delays that the program brings along: at the end of which block, s; ascending.
+  std::vector<std::pair<std::uint32_t, double>> given_delays;
+  struct KeptWords {
+    std::uint32_t block = 0;  ///< before which one
+    std::string words;        ///< as to be written
+    /// A dwell of the program (`dwell` above has its time); a line number or comment on the block's own line.
+    bool dwell = false, with_block = false;
+  };
+  std::vector<KeptWords> kept_words;  ///< dwells, and words that are not about motion, in their order
   struct Mode {
     std::uint32_t block = 0;  ///< from which one on
     PathControl control = PathControl::blend;

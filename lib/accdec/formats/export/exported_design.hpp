@@ -7,7 +7,7 @@
 
 #include <accdec/result.hpp>
 
-// Internal to the exports: what every format says of a design, and one writer a format.
+// Internal to the exports: what every format says of a design, and one writer a format in a file beside this one.
 
 namespace accdec {
 

@@ -23,7 +23,7 @@ struct AlongRun {
 std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
                                   const Deadline& deadline);
 
-/// The same motion with its runs between stops along the path wherever that is faster.
+/// The same motion with its runs between stops along the path wherever that is faster. In with_runs_along.cpp.
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline);
 
 /// The part of the limits that motions along a path use: the rest is for rounding.

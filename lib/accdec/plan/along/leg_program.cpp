@@ -10,7 +10,7 @@
 namespace accdec {
 namespace {
 
-/// Bounds of the programme are narrower than those of the check by this part.
+/// Bounds of the program are narrower than those of the check by this part.
 constexpr double inside = 1.0 - 1e-7;
 constexpr std::size_t unknowns_max = 20'000;
 
@@ -76,7 +76,7 @@ class LegProgram {
       if (factor != 0.0) add(form, k, k < 0 ? factor : factor * part, axis);
     }
     if (form.count == 0) return;
-    // The steps before may use all of a limit, which is more than the programme's bound.
+    // The steps before may use all of a limit, which is more than the program's bound.
     const double most = std::max(1.0, std::abs(form.constant));
     form.constant /= most;
     for (int i = 0; i < form.count; ++i) form.coefficient[static_cast<std::size_t>(i)] /= most;

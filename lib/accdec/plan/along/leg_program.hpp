@@ -15,7 +15,7 @@ struct LegStart {
   bool rest = true;  ///< all steps are 0
 };
 
-/// A motion along a straight leg in so many samples, by a linear programme over them: velocity, acceleration, jerk, and
+/// A motion along a straight leg in so many samples, by a linear program over them: velocity, acceleration, jerk, and
 /// force with viscous friction. It begins behind the given steps and ends at rest; its first differences see both.
 /// At full speed one step may stand for many.
 /// @param way  m, of every sample of a motion along the leg, from 0 to its length: the search begins there

@@ -28,12 +28,12 @@ AlongRun on_line(const FreePath& free, std::size_t first, std::size_t last, cons
 std::optional<AlongRun> straight_run(const FreePath& free, std::size_t first, std::size_t last);
 
 /// The same motion with its straight runs between stops replaced wherever that is faster. A filter makes all legs with
-/// ramps of one length; each leg by itself has the ramp that suits its length.
+/// ramps of one length; each leg by itself has the ramp that suits its length. In with_runs_along.cpp.
 FreeSamples with_straight_runs(const FreePath& free, const FreeSamples& motion);
 
 /// The same motion with its straight legs between stops in the least numbers of samples, one after another, by linear
-/// programmes over their samples. The differences of samples are means of what a motion does between them. So a leg may
-/// take two samples less than in continuous time. Friction helps to brake.
+/// programs over their samples. The differences of samples are means of what a motion does between them. So a leg may
+/// take two samples less than in continuous time. Friction helps to brake. In with_shortest_legs.cpp.
 /// @param deadline  ends it; what is left stays as it is
 FreeSamples with_shortest_legs(const FreePath& free, const FreeSamples& motion, const Deadline& deadline);
 

@@ -11,7 +11,7 @@
 namespace accdec {
 namespace {
 
-/// Puts a motion together, run by run: straight legs by programmes, other runs as they are. The first differences of a
+/// Puts a motion together, run by run: straight legs by programs, other runs as they are. The first differences of a
 /// run see the end of the one before.
 class Legs {
  public:

@@ -14,6 +14,10 @@
 namespace accdec {
 
 /// Smallest delays of single joints, as if each were alone. Keeps references.
+///
+/// It shares the tolerances' DelayFinder and BlendLimits with designs, but not `task/blend_check.hpp`. That needs a
+/// task and its corner, which would have to be made for each of 10^6 joints. Joints also differ in their rules: a
+/// control's kinds of delays change the search, and tolerances hold to `position_floor`.
 class JointDelays {
  public:
   JointDelays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);

@@ -49,7 +49,7 @@ FeedWindow::FeedWindow(const Filter& filter, const Machine& machine, double samp
     const Axis& axis = machine_[a];
     AxisWindow& window = axes_[a];
     window.change = axis.acceleration_max * tau1_;
-    const double force = std::min(axis.force_max, axis.force_speed_max);
+    const double force = force_limit(axis);
     if (axis.mass > 0.0) window.change = std::min(window.change, force / axis.mass * tau1_);
     window.lines = force_lines(axis);
     if (!window.lines.empty()) window.fastest = last_speed(axis);

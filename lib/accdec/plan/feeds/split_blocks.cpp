@@ -30,21 +30,7 @@ void add_point(Toolpath& out, const Toolpath& path, std::size_t b, double distan
 Toolpath split_blocks(const Toolpath& path, const std::vector<FeedPiece>& pieces) {
   const std::size_t n = path.dimensions(), count = pieces.size();
   Toolpath out;
-  out.axes = path.axes;
-  out.dwell_first = path.dwell_first;
-  out.begin = path.begin;
-  out.empty_moves = path.empty_moves;
-  out.clamped = path.clamped;
-  out.plane = path.plane;
-  out.systems = path.systems;
-  out.length_at = path.length_at;
-  out.percent = path.percent;
-  out.label = path.label;
-  out.end = path.end;
-  out.narrowed = path.narrowed;
-  out.widen_arcs = path.widen_arcs;
-  out.contour_max = path.contour_max;
-  out.control = path.control;
+  static_cast<ToolpathFrame&>(out) = path;
   reserve(out, count);
   std::vector<std::uint32_t> last(path.blocks());  // piece of every block
   out.points.insert(out.points.end(), path.point(0), path.point(0) + n);

@@ -275,11 +275,10 @@ ProgramFilter design_filter_for_feeds(const Toolpath& path, const Task& task, do
   options.smoothing = task.machine.prefilter_taps;
   const FilterSearch search = search_filter(path, task.sample_period, machine, options);
   // Without a limit on the acceleration, the programmed feed may be reached at once by a filter that suits it.
-  const bool others =
-      limits_supply(machine) || std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& axis) {
-        return axis.force_speed_max < unlimited || axis.force_max < unlimited || axis.power_max < unlimited ||
-               axis.regeneration_max < unlimited || (!(axis.acceleration_max < unlimited) && axis.jerk_max < unlimited);
-      });
+  const bool others = limits_supply(machine) || std::ranges::any_of(machine.axes, [](const Axis& axis) {
+                        return limited_beside(axis, {LimitKind::velocity, LimitKind::acceleration, LimitKind::jerk}) ||
+                               (!(axis.acceleration_max < unlimited) && axis.jerk_max < unlimited);
+                      });
   ProgramFilter best;
   if (!search.filter || others || !machine.modes.empty() || path.contour_max < unlimited) {
     const double left = std::max(0.05, std::min(time_limit, 0.5 * deadline.left()));

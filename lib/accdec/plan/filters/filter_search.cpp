@@ -7,6 +7,7 @@
 
 #include <accdec/families/trial_search.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/force_speed.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
@@ -79,7 +80,7 @@ class Search {
   double acceleration(std::size_t axis) const {
     if (axis >= machine_.axes.size()) return 1e30;
     const Axis& limits = machine_.axes[axis];
-    const double force = std::min(limits.force_max, limits.force_speed_max) - limits.coulomb;
+    const double force = force_limit(limits) - limits.coulomb;
     const double by_force = limits.mass > 0.0 && force > 0.0 ? force / limits.mass : unlimited;
     return std::min({limits.acceleration_max, by_force, 1e30});
   }

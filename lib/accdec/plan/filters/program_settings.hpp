@@ -4,6 +4,8 @@
 
 #include <accdec/program.hpp>
 
+// In settings_for_program.cpp.
+
 namespace accdec {
 
 /// The answer for the user of a control: what to set, the time and what was looked at, the saving against today.

@@ -26,7 +26,7 @@ struct LinearPoint {
   bool shifted = false;  ///< `shift` times the last unknown is part of it
 };
 
-/// Convex programme over positions ordered by sample. The last unknown is made as large as possible. Forms are bounded
+/// Convex program over positions ordered by sample. The last unknown is made as large as possible. Forms are bounded
 /// by |form| <= 1, points lie within a radius of a segment. All Newton steps are banded: forms and points may
 /// only join unknowns at most `band` apart.
 ///

@@ -8,7 +8,7 @@
 namespace accdec {
 namespace {
 
-/// Bounds of the programme are narrower than those of the check by this part.
+/// Bounds of the program are narrower than those of the check by this part.
 constexpr double inside = 1.0 - 1e-7;
 /// Steps of a motion at its feed must have room, or no window keeps up with what follows it. The check grants 1e-6.
 constexpr double above_feed = 1.0 + 2e-7;

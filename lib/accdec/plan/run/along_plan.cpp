@@ -37,12 +37,7 @@ FreeMotion as_motion(const Toolpath& path, const FreeSamples& samples) {
 
 ProgramResult with_samples(const ProgramResult& plan, const FreeSamples& samples) {
   ProgramResult result;
-  result.program = plan.program;
-  result.reading = plan.reading;
-  result.sample_period = plan.sample_period;
-  result.task_machine = plan.task_machine;
-  result.programmed_blocks = plan.programmed_blocks;
-  result.programmed_moves = plan.programmed_moves;
+  static_cast<ProgramSubject&>(result) = plan;
   result.feeds_chosen = true;
   result.lower_bound = plan.lower_bound;
   result.corner_bound = plan.corner_bound;

@@ -15,6 +15,7 @@
 #include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
@@ -238,9 +239,8 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
   const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;
-    none.program = file.name;
+    static_cast<ProgramSubject&>(none) = subject_of(file.name, file.path, task);
     none.reading = file.reading;
-    none.sample_period = task.sample_period;
     none.message = choice.message;
     none.solver = choice.solver;
     return none;

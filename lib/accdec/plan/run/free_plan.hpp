@@ -9,9 +9,9 @@
 namespace accdec {
 
 /// `accdec program --plan free`: the fastest of plan profiles, its arcs planned along the path (along_plan.hpp), and
-/// one filter, shortened by convex programmes over its samples. Verified; where nothing is gained, or the check of all
-/// samples refuses it, the answer is the plan it began with. Programs with arcs are also planned with one filter; if
-/// that is faster, it is the answer.
+/// one filter, shortened by convex programs over its samples. Verified; where nothing is gained, or the check of all
+/// samples refuses it, the answer is the plan it began with. Programs of up to `several_plans_max` blocks are also
+/// planned with one filter; if that is faster, it is the answer.
 /// @param tell  one line a step, may be empty
 /// @param fixed  plan fixed, with a motion that holds, if it is known; else it is made in a part of the time
 /// @throws std::invalid_argument for a limit that this plan does not keep, by name, and for options that it does not

@@ -1,10 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include <accdec/bounds/filter_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
@@ -19,11 +16,10 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
-#include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/cool_drives.hpp>
 #include <accdec/plan/run/other_rules.hpp>
 #include <accdec/plan/run/refused_keys.hpp>
-#include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/simulate.hpp>
@@ -288,30 +284,6 @@ class Planning {
   std::vector<int> alone_;
 };
 
-/// The part of every plan's result on the program and the task.
-ProgramResult before_planning(const PlanningProblem& problem) {
-  const Task& task = problem.task;
-  if (task.design.coefficient_bits > 0)
-    throw std::invalid_argument("[design] coefficient_bits is for designs of corners; leave it out for a program");
-  ProgramResult result;
-  result.program = problem.program;
-  result.sample_period = task.sample_period;
-  result.task_machine = task.machine;
-  result.programmed_blocks = blocks_of(problem.path);
-  result.programmed_moves = problem.path.blocks();
-  return result;
-}
-
-const char* ended_by(const Deadline& deadline) {
-  return deadline.asked_to_end() ? "Ctrl-C" : "the time limit";
-}
-
-void say_what_ended(ProgramResult& result, const Deadline& deadline) {
-  if (!result.verification.feasible && deadline.over())
-    result.message =
-        fmt::format("{} ended the planning before a plan held all limits; {}", ended_by(deadline), result.message);
-}
-
 }  // namespace
 
 ProgramResult run_program(PlanningProblem problem, const Filter& filter, const KnownPlan& known) {
@@ -348,38 +320,6 @@ ProgramResult run_program(PlanningProblem problem, const Filter& filter, const K
   }
   say_what_ended(result, problem.deadline);
   result.solver.method = "given";
-  result.solver.wall_time = seconds_since(start);
-  return result;
-}
-
-ProgramResult run_profiles(PlanningProblem problem) {
-  const Task& task = problem.task;
-  const Toolpath& path = problem.path;
-  require_positions(task, path, "plan profiles");
-  const auto start = std::chrono::steady_clock::now();
-  if (!path.given_delays.empty()) {
-    throw std::invalid_argument(
-        "plan profiles takes no delays from the program: it has no one filter that they "
-        "belong to; leave out --dwells-before-filter");
-  }
-  ProgramResult result = before_planning(problem);
-  result.feeds_chosen = true;
-  const Machine machine = program_machine(task.machine, path);
-  ProfilePlan plan = plan_profiles(path, machine, task.sample_period, problem.deadline);
-  result.solver.method = "look-ahead";
-  if (!plan.checked) {
-    result.message =
-        fmt::format("{} ended plan profiles before all its samples were checked", ended_by(problem.deadline));
-    result.solver.wall_time = seconds_since(start);
-    return result;
-  }
-  result.plan = {std::move(problem.path), Trajectory{std::move(plan.chain), std::move(plan.last)}};
-  result.errors = std::move(plan.errors);
-  result.check = std::move(plan.check);
-  result.rounds = plan.rounds;
-  result.cycle_time = static_cast<double>(result.check.samples) * task.sample_period;
-  judge_program(result, machine);
-  say_what_ended(result, problem.deadline);
   result.solver.wall_time = seconds_since(start);
   return result;
 }
