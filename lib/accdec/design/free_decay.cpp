@@ -114,6 +114,19 @@ double energy_of(const std::vector<double>& values, const std::vector<Stretch>& 
   return sum;
 }
 
+/// Short jolts with the samples beside them that no stretch has. In logs of positions they have most of the energy.
+std::vector<Stretch> pushes(const std::vector<Stretch>& jolts, std::size_t samples, std::size_t window) {
+  std::vector<Stretch> found;
+  for (const Stretch& j : jolts) {
+    if (j.end - j.begin > window) continue;
+    const std::size_t begin = found.empty() ? 0 : found.back().end;
+    found.push_back({std::max(begin, j.begin - std::min(j.begin, window / 4 + 2)),
+                     std::min(samples, j.end + std::max<std::size_t>(2, window / 8))});
+  }
+  std::erase_if(found, [](const Stretch& s) { return s.end <= s.begin; });
+  return found;
+}
+
 /// Whether the first halves of stretches have most of the energy, which is at least that.
 bool dies_away(const std::vector<Stretch>& stretches, const std::vector<double>& values, double least) {
   std::vector<Stretch> halves = stretches;
@@ -163,7 +176,7 @@ FreeDecay free_decay(std::span<const double> signal, double period, const DecayS
   if (window < 4 || values.size() < 20 * window) return result;
   const std::vector<Stretch> jolts = all_jolts(values, step, window, loud, search);
   std::vector<Stretch> stretches = between(jolts, values.size(), window);
-  const double all = energy_of(values, 0, values.size());
+  const double all = energy_of(values, 0, values.size()) - energy_of(values, pushes(jolts, values.size(), window));
   if (stretches.empty() || energy_of(values, stretches) < used_least * all) return result;
   result.jolts = static_cast<int>(jolts.size()), result.overlaps = overlaps_of(stretches, values, window);
   shorten(stretches, values, window, samples_most, samples_most);
