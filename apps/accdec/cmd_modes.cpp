@@ -48,8 +48,9 @@ Figure figure_of(const VibrationLog& log, const std::vector<FoundMode>& modes, d
     panel.series.push_back(std::move(energy));
     for (const FoundMode& mode : modes) {
       if (mode.axis != log.axes[a]) continue;
-      const Mode held = bounded_modes({mode}, 1.0).front();
-      panel.bands.push_back({held.frequency_low, held.frequency_high,
+      const std::vector<Mode> held = bounded_modes({mode}, 1.0);
+      if (held.empty()) continue;
+      panel.bands.push_back({held.front().frequency_low, held.front().frequency_high,
                              fmt::format("{:.4g} Hz, damping {:.3g}", mode.frequency, mode.damping)});
     }
     panel.x.min = 0.0, panel.x.max = most;
@@ -104,7 +105,8 @@ void run(const ModesArguments& arguments, Context& context) {
   }
   std::vector<ModeCost> costs;
   const bool corners = task && !task->corners.empty();
-  if (corners && !modes.empty()) costs = costs_of(*task, modes, arguments, context);
+  const bool some = std::ranges::any_of(modes, &FoundMode::certain);
+  if (corners && some) costs = costs_of(*task, modes, arguments, context);
   OutputFiles files;
   std::string tables = modes_to_toml(modes, log, costs, arguments.residual, arguments.log);
   if (task && !corners)
@@ -116,7 +118,7 @@ void run(const ModesArguments& arguments, Context& context) {
               convert_svg(render_svg(figure_of(log, modes, most, arguments.log)), type, arguments.log));
   }
   files.commit();
-  context.exit_code = modes.empty() ? exit_no_answer : exit_ok;
+  context.exit_code = some ? exit_ok : exit_no_answer;
 }
 
 }  // namespace

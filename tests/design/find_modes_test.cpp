@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -86,6 +88,20 @@ TEST(FindModes, OfNoise) {
   expect_found({{42.0, 0.05, 1.0}}, Excitation::noise, 120.0, 4);
 }
 
+// Noise shows the damping to 1/sqrt(2 pi f z t) of it (standard error). This is 9.7 % in 20 s, and 2.6 of these are
+// more than 20 %.
+TEST(FindModes, SaysWhatAShortLogOfNoiseDoesNotShow) {
+  for (const auto& [seconds, certain] : {std::pair{20.0, false}, std::pair{150.0, true}}) {
+    const std::vector<double> signal = logged({{42.0, 0.02, 1.0}}, Excitation::noise, seconds, 0.05, 21);
+    const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {signal}});
+    ASSERT_FALSE(found.empty());
+    const double expected = 1.0 / std::sqrt(2.0 * std::numbers::pi * 42.0 * 0.02 * seconds);
+    EXPECT_NEAR(found[0].damping_error, expected, 0.35 * expected);
+    EXPECT_EQ(found[0].certain(), certain) << found[0].doubt;
+    EXPECT_EQ(found[0].jolts, 0);
+  }
+}
+
 // Noise alone has no mode.
 TEST(FindModes, NoneInWhiteNoise) {
   std::mt19937 engine(5);
@@ -117,6 +133,77 @@ TEST(FindModes, OfOneJoltAndOfJoltsThatOverlap) {
       EXPECT_GT(found[0].jolts, 0);
     }
   }
+}
+
+// Jolts every quarter of a second, before each of which the last ringing has a quarter of its amplitude.
+TEST(FindModes, OfManyJoltsThatOverlap) {
+  std::mt19937 engine(22);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  const double w = 2.0 * std::numbers::pi * 42.0, z = 0.02, damped = w * std::sqrt(1.0 - z * z);
+  std::vector<double> signal(32'000);
+  for (std::size_t k = 0; k < signal.size(); ++k) {
+    signal[k] = 0.02 * normal(engine);
+    for (int jolt = 0; jolt < 36; ++jolt) {
+      const double t = static_cast<double>(k) * log_period - 0.5 - 0.25 * jolt - 0.02 * std::sin(7.0 * jolt);
+      if (t > 0.0) signal[k] += std::exp(-z * w * t) * std::sin(damped * t);
+    }
+  }
+  const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {signal}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].frequency, 42.0, 0.42);
+  EXPECT_NEAR(found[0].damping, z, 0.2 * z);
+  EXPECT_GT(found[0].overlaps, 10);
+  EXPECT_TRUE(found[0].certain());
+}
+
+// The errors of 30 logs of one jolt, over the standard errors: their mean square is 1, within a third at 30.
+TEST(FindModes, StandardErrorsAreThoseOfManyLogs) {
+  double frequency = 0.0, damping = 0.0;
+  constexpr int logs = 30;
+  for (int log = 0; log < logs; ++log) {
+    std::mt19937 engine(300U + static_cast<unsigned>(log));
+    std::normal_distribution<double> normal(0.0, 1.0);
+    const double z = 0.04, w = 2.0 * std::numbers::pi * 42.0, damped = w * std::sqrt(1.0 - z * z);
+    std::vector<double> signal(9600);
+    for (std::size_t k = 0; k < signal.size(); ++k) {
+      const double t = static_cast<double>(k) * log_period - 0.7;
+      signal[k] = 0.1 * normal(engine) + (t > 0.0 ? std::exp(-z * w * t) * std::sin(damped * t) : 0.0);
+    }
+    const std::vector<FoundMode> found = find_modes({log_period, {"x"}, {signal}});
+    ASSERT_EQ(found.size(), 1U) << log;
+    frequency += std::pow((found[0].frequency / 42.0 - 1.0) / found[0].frequency_error, 2);
+    damping += std::pow((found[0].damping / z - 1.0) / found[0].damping_error, 2);
+  }
+  for (const double sum : {frequency, damping}) {
+    EXPECT_GT(sum, 0.4 * logs);
+    EXPECT_LT(sum, 1.8 * logs);
+  }
+}
+
+// Twelve logs of all kinds: a mode without doubt is within 1 % and 20 %, and is found.
+TEST(FindModes, HoldsWhatItPromisesInLogsOfAllKinds) {
+  std::mt19937 engine(23);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine);
+  };
+  int known = 0, seen = 0;
+  for (int log = 0; log < 12; ++log) {
+    const Excitation excitation = std::array{Excitation::jolts, Excitation::noise, Excitation::sweep}[log % 3];
+    std::vector<Known> modes{{uniform(25.0, 45.0), uniform(0.02, 0.07), 1.0}};
+    if (log % 2 == 1) modes.push_back({uniform(1.4, 1.8) * modes[0].frequency, uniform(0.02, 0.07), 0.8});
+    const double seconds = excitation == Excitation::noise ? 120.0 : 20.0;
+    const std::vector<double> signal = logged(modes, excitation, seconds, 0.05, 400U + static_cast<unsigned>(log));
+    for (const FoundMode& f : find_modes({log_period, {"x"}, {signal}})) {
+      if (!f.certain()) continue;
+      const auto real = std::ranges::find_if(
+          modes, [&](const Known& m) { return std::abs(f.frequency / m.frequency - 1.0) <= promised_frequency; });
+      ASSERT_NE(real, modes.end()) << "log " << log << ": " << f.frequency << " Hz";
+      EXPECT_NEAR(f.damping, real->damping, promised_damping * real->damping) << "log " << log;
+      ++seen;
+    }
+    known += static_cast<int>(modes.size());
+  }
+  EXPECT_GE(seen, known - 2);
 }
 
 // The weaker one has 0.4 of the other's velocity, and 4 % of the energy of the lags.

@@ -13,6 +13,7 @@
 
 #include <accdec/design/find_modes.hpp>
 #include <accdec/design/free_decay.hpp>
+#include <accdec/design/noise_modes.hpp>
 #include <accdec/design/significance.hpp>
 
 namespace accdec {
@@ -21,8 +22,6 @@ namespace {
 constexpr int parts = 4;                // of a log that are compared
 constexpr double damping_most = 0.4;    // more is no peak that a filter should avoid
 constexpr double least_left = 1e-2;     // of the energy of the lags: later ones are noise
-constexpr double power_least = 0.005;   // of the power, in noise
-constexpr double power_large = 0.15;    // of the power, in noise: model orders may disagree
 constexpr double share_least = 0.002;   // of the energy of the lags of others, as ends of sweeps look like modes
 constexpr double share_large = 0.03;    // of the energy of the lags: model orders may disagree
 constexpr double false_alarm = 1e-3;    // modes of an axis in white noise
@@ -39,6 +38,13 @@ struct Pole {
 double middle(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
+}
+
+/// Half of the relative range of the middle half of values.
+double half_spread(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t quarter = values.size() / 4;
+  return 0.5 * (values[values.size() - 1 - quarter] - values[quarter]) / values[values.size() / 2];
 }
 
 /// Poles of sums of damped vibrations that agree with an autocorrelation, by model order.
@@ -118,9 +124,7 @@ struct Weighed {
   double of_lags = 0.0;  ///< its part of the energy of the lags
 
   /// Weak vibrations count if they are sure: noise gives every model order another damping.
-  bool counts(bool random) const {
-    return random ? mode.share >= (sure ? power_least : power_large) : of_lags >= (sure ? share_least : share_large);
-  }
+  bool counts() const { return of_lags >= (sure ? share_least : share_large); }
 };
 
 /// Tells peaks of a spectrum from noise. Powers of white noise are independent and exponentially distributed, as many
@@ -168,10 +172,7 @@ struct Group {
   bool near(double frequency) const { return std::abs(middle(frequencies) - frequency) < same * frequency; }
   bool sure(int tried) const {
     if (10 * static_cast<int>(dampings.size()) < 7 * tried) return false;
-    std::vector<double> sorted = dampings;
-    std::sort(sorted.begin(), sorted.end());
-    const std::size_t quarter = sorted.size() / 4;
-    return sorted[sorted.size() - 1 - quarter] - sorted[quarter] <= agree * middle(dampings);
+    return 2.0 * half_spread(dampings) <= agree;
   }
 };
 
@@ -221,24 +222,28 @@ std::vector<Part> parts_of(const Autocorrelation& lags, const std::vector<Pole>&
   return result;
 }
 
+std::vector<Weighed> weighed(const std::vector<DecayMode>& modes, double whole, std::size_t most) {
+  std::vector<Weighed> found;
+  for (const DecayMode& m : modes) {
+    if (found.size() == most) break;
+    FoundMode mode{.axis = {},
+                   .frequency = m.frequency,
+                   .damping = m.damping,
+                   .frequency_error = m.error.frequency,
+                   .damping_error = m.error.damping};
+    mode.damping_low = mode.damping_high = m.damping, mode.share = std::min(1.0, m.energy / whole);
+    found.push_back({mode, m.energy, true, 0.0});
+  }
+  return found;
+}
+
 /// The modes of free vibrations behind jolts; none if the signal is no such.
 std::vector<Weighed> modes_behind_jolts(std::span<const double> signal, double period,
                                         const FindModesOptions& options) {
-  const FreeDecay decay =
-      free_decay(signal, period, {options.frequency_min, options.frequency_max, damping_most, options.most});
-  std::vector<Weighed> found;
-  for (const DecayMode& m : decay.modes) {
-    if (found.size() == options.most) break;
-    const FoundMode mode{.axis = {},
-                         .frequency = m.frequency,
-                         .damping = m.damping,
-                         .damping_low = m.damping,
-                         .damping_high = m.damping,
-                         .share = std::min(1.0, m.energy / decay.energy),
-                         .jolts = decay.jolts,
-                         .overlaps = decay.overlaps};
-    found.push_back({mode, m.energy, true, 0.0});
-  }
+  const DecaySearch search{options.frequency_min, options.frequency_max, damping_most, options.most};
+  const FreeDecay decay = free_decay(signal, period, search);
+  std::vector<Weighed> found = weighed(decay.modes, decay.energy, options.most);
+  for (Weighed& w : found) w.mode.jolts = decay.jolts, w.mode.overlaps = decay.overlaps;
   return found;
 }
 
@@ -246,6 +251,12 @@ std::vector<Weighed> modes_behind_jolts(std::span<const double> signal, double p
 std::vector<Weighed> modes_of(std::span<const double> signal, double period, const FindModesOptions& options) {
   const double longest = std::min(2.0, 0.2 * period * static_cast<double>(signal.size()));
   const PowerSpectrum spectrum = power_spectrum(signal, period);
+  const double seconds = period * static_cast<double>(signal.size());
+  const bool random = is_random(spectrum, seconds, options);
+  if (random) {
+    const DecaySearch search{options.frequency_min, options.frequency_max, damping_most, options.most};
+    return weighed(noise_modes(spectrum, seconds, search), 1.0, options.most);
+  }
   const Autocorrelation lags =
       cut(autocorrelation(spectrum, options.frequency_min, options.frequency_max, longest), options.frequency_min);
   const Realisation realisation(lags);
@@ -275,8 +286,13 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
     const double f = middle(group.frequencies), z = middle(group.dampings), w = 2.0 * std::numbers::pi * f;
     const std::complex<double> rate(-z * w, w * std::sqrt(1.0 - z * z));
     stable.push_back({f, z, std::exp(rate * lags.period)});
-    found.push_back(
-        {{.axis = {}, .frequency = f, .damping = z, .damping_low = z, .damping_high = z}, 0.0, group.sure(tried)});
+    FoundMode mode{.axis = {},
+                   .frequency = f,
+                   .damping = z,
+                   .frequency_error = half_spread(group.frequencies),
+                   .damping_error = half_spread(group.dampings)};
+    mode.damping_low = mode.damping_high = z;
+    found.push_back({mode, 0.0, group.sure(tried)});
   }
   if (found.empty()) return found;
   const std::vector<Part> of = parts_of(lags, stable);
@@ -287,11 +303,9 @@ std::vector<Weighed> modes_of(std::span<const double> signal, double period, con
     found[i].energy = of[i].power, found[i].mode.share = std::min(1.0, of[i].power / all);
     found[i].of_lags = of[i].energy / squares;
   }
-  const bool random = is_random(spectrum, period * static_cast<double>(signal.size()), options);
-  const Peaks peaks(spectrum, period * static_cast<double>(signal.size()), options);
-  std::erase_if(found, [&](const Weighed& w) {
-    return !w.counts(random) || !peaks.stands_out(w.mode.frequency, w.mode.damping);
-  });
+  const Peaks peaks(spectrum, seconds, options);
+  std::erase_if(found,
+                [&](const Weighed& w) { return !w.counts() || !peaks.stands_out(w.mode.frequency, w.mode.damping); });
   std::sort(found.begin(), found.end(), [](const Weighed& a, const Weighed& b) { return a.energy > b.energy; });
   found.resize(std::min(found.size(), options.most));
   return found;
@@ -313,6 +327,31 @@ FoundMode spread_over_parts(const Weighed& whole, const std::vector<std::vector<
     mode.damping_high = std::max(mode.damping_high, closest->mode.damping);
   }
   return mode;
+}
+
+/// Says which modes are uncertain. Two beside each other that the log does not tell apart become one.
+std::vector<FoundMode> with_doubts(std::vector<FoundMode> modes) {
+  constexpr double sure = 2.6;  // standard errors that hold 99 of 100
+  const auto vague = [](const FoundMode& m) {
+    return sure * m.frequency_error > promised_frequency || sure * m.damping_error > promised_damping;
+  };
+  std::vector<FoundMode> kept;
+  for (FoundMode& mode : modes) {
+    const char* instead = mode.jolts > 0 ? "log more jolts, or harder ones" : "log for longer, or jolt the machine";
+    const auto same = std::ranges::find_if(kept, [&](const FoundMode& k) {
+      const double apart = std::abs(k.frequency / mode.frequency - 1.0);
+      return apart < sure * std::hypot(k.frequency_error, mode.frequency_error) ||
+             (apart < k.damping + mode.damping && vague(k) && vague(mode));
+    });
+    if (same != kept.end()) {
+      same->doubt = fmt::format("two vibrations of {:.4g} and {:.4g} Hz that this log does not tell apart; {}",
+                                same->frequency, mode.frequency, instead);
+      continue;
+    }
+    if (vague(mode)) mode.doubt = fmt::format("its errors are too large; {}", instead);
+    kept.push_back(std::move(mode));
+  }
+  return kept;
 }
 
 }  // namespace
@@ -340,10 +379,12 @@ std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOption
     for (std::size_t p = 0; p < parts && seconds >= parts * needed; ++p)
       others.push_back(modes_by(signal.subspan(p * signal.size() / parts, signal.size() / parts), log.period, used));
     if (all_of_axis.empty()) all_of_axis = modes_of(signal, log.period, used);
+    std::vector<FoundMode> of_axis;
     for (const Weighed& found : all_of_axis) {
-      all.push_back(spread_over_parts(found, others));
-      all.back().axis = log.axes[a];
+      of_axis.push_back(spread_over_parts(found, others));
+      of_axis.back().axis = log.axes[a];
     }
+    for (FoundMode& mode : with_doubts(std::move(of_axis))) all.push_back(std::move(mode));
   }
   return all;
 }

@@ -13,13 +13,21 @@ struct FoundMode {
   std::string axis;
   double frequency = 0.0;                        ///< Hz, without damping
   double damping = 0.0;                          ///< damping ratio
+  double frequency_error = 0.0;                  ///< standard error, of the frequency
+  double damping_error = 0.0;                    ///< standard error, of the damping ratio
   double spread = 0.0;                           ///< largest relative change of the frequency between parts of the log
   int compared = 0;                              ///< parts that show the mode; 0: nothing tells the spread
   double damping_low = 0.0, damping_high = 0.0;  ///< of the whole log and its parts
   double share = 0.0;                            ///< of the energy of the acceleration, 0 .. 1
-  int jolts = 0;     ///< behind which it was fitted; 0: by the autocorrelation of the whole log
-  int overlaps = 0;  ///< of these, before which the last ringing had not died away
+  int jolts = 0;        ///< behind which it was fitted; 0: by the autocorrelation of the whole log
+  int overlaps = 0;     ///< of these, before which the last ringing had not died away
+  std::string doubt{};  ///< why the mode is uncertain, and what to log instead; empty: it is not
+
+  bool certain() const { return doubt.empty(); }
 };
+
+/// A mode without doubt keeps these parts of its frequency and of its damping ratio, in 99 of 100.
+constexpr double promised_frequency = 0.01, promised_damping = 0.2;
 
 /// Options of `find_modes`.
 struct FindModesOptions {
@@ -28,10 +36,12 @@ struct FindModesOptions {
   std::size_t most = 3;          ///< modes of an axis
 };
 
-/// Finds the modes of every axis, the strongest first. Vibrations die away, or noise or a sweep keeps them up. In
-/// either case the autocorrelation is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10, 1995).
-/// Their frequencies and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A frequency
-/// counts if most model orders find it. A weak vibration counts if they also agree on its damping.
+/// Finds the modes of every axis, the strongest first. Vibrations that die away behind jolts are fitted between these
+/// (`free_decay`). If noise keeps them up, their spectrum is fitted (`noise_modes`). For others, as in sweeps, the
+/// autocorrelation is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10, 1995). Their frequencies
+/// and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A frequency counts if most
+/// model orders find it. A weak vibration counts if they also agree on its damping; how they differ is the error.
+/// A mode is in doubt if 2.6 standard errors, which hold 99 of 100, are more than what is promised.
 /// @throws std::invalid_argument if the log is too short for the band, or the band is empty
 std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options = {});
 

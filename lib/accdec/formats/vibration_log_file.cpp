@@ -187,7 +187,8 @@ VibrationLog read_vibration_log(const std::string& path) {
 
 std::vector<Mode> bounded_modes(const std::vector<FoundMode>& modes, double residual) {
   std::vector<Mode> all;
-  for (const FoundMode& mode : modes) all.push_back(bounded(mode, residual));
+  for (const FoundMode& mode : modes)
+    if (mode.certain()) all.push_back(bounded(mode, residual));
   return all;
 }
 
@@ -210,6 +211,11 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
         "# modes within 3 % of each other count as one; weak ones are shown if they stand out from noise, which seems "
         "to\n"
         "# have a mode in one axis of 1000 logs\n";
+  if (!modes.empty())
+    text += fmt::format(
+        "# a [[mode]] is within {:g} % of the frequency and {:g} % of the damping, as far as standard errors tell: in\n"
+        "# 99 of 100\n",
+        100.0 * promised_frequency, 100.0 * promised_damping);
   for (const ModeCost& cost : costs) {
     if (cost.more)
       text += fmt::format("# residual_max = {:g} costs {:.4g} ms{}\n", cost.residual, 1e3 * *cost.more,
@@ -218,10 +224,16 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
       text += fmt::format("# residual_max = {:g}: no design was found\n", cost.residual);
   }
   for (const FoundMode& mode : modes) {
+    text += fmt::format(
+        "\n# axis {}: {:.4g} Hz, damping {:.3g}; standard errors {:.2g} % and {:.2g} %; {:.3g} % of its ", mode.axis,
+        mode.frequency, mode.damping, 100.0 * mode.frequency_error, 100.0 * mode.damping_error, 100.0 * mode.share);
+    if (!mode.certain()) {
+      text += fmt::format("acceleration (power)\n# uncertain, no [[mode]]: {}\n", mode.doubt);
+      continue;
+    }
     const Mode held = bounded(mode, residual);
     text += fmt::format(
-        "\n# axis {}: {:.4g} Hz, damping {:.3g}; {:.3g} % of its acceleration (power), {}\n[[mode]]\n", mode.axis,
-        mode.frequency, mode.damping, 100.0 * mode.share,
+        "acceleration (power), {}\n[[mode]]\n",
         mode.compared > 0 ? fmt::format("within {:.1f} % over the log", 100.0 * mode.spread)
                           : fmt::format("no parts of the log to compare: widen the ranges by hand, {:.0f} % is assumed",
                                         100.0 * spread_least));

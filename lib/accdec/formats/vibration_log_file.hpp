@@ -25,10 +25,10 @@ struct ModeCost {
 };
 
 /// The modes as [[mode]] tables of a task. The band is as wide as the frequency was found to change, at least 2 % to
-/// either side. Remarks name the axis and what each bound costs.
+/// either side. Remarks name the axis, the standard errors and what each bound costs. An uncertain mode is a remark.
 std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLog& log,
                           const std::vector<ModeCost>& costs, double residual, const std::string& log_name);
-/// The same as modes of a machine.
+/// Those without doubt, as modes of a machine.
 std::vector<Mode> bounded_modes(const std::vector<FoundMode>& modes, double residual);
 
 }  // namespace accdec
