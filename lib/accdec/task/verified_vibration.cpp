@@ -166,7 +166,8 @@ std::vector<double> displacements_left(const RawChanges& changes, const Filter& 
 
 LimitUse verified_residual(const RawChanges& changes, const Filter& filter, const Mode& mode, double period) {
   const auto left = [&](double f, double z) {
-    return std::ranges::max(displacements_left(changes, filter, f, z, period));
+    const std::vector<double> swings = displacements_left(changes, filter, f, z, period);
+    return *std::ranges::max_element(swings);
   };
   return Scan(left, mode, period, changes.hits.size() + filter.taps().size()).use();
 }
