@@ -100,7 +100,8 @@ void not_checked(const std::string& path, const std::string& reason, Context& co
 
 void print_accepted(const ProgramRecord& record, const std::string& shown, bool read,
                     const std::vector<std::string>& open) {
-  fmt::print("accepted: {}\n", printable(shown));
+  const bool bounds = std::find(open.begin(), open.end(), "bounds") != open.end();
+  fmt::print("accepted: {}{}\n", printable(shown), bounds ? "; bounds were not recomputed" : "");
   if (read) {
     fmt::print("{} read again: the plan passes its points in order, within its feeds and with its tolerances\n",
                printable(record.inputs.program));

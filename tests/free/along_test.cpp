@@ -196,6 +196,22 @@ TEST(FreeAlongArcs, MeetingLinesAndStopsHold) {
   }
 }
 
+// A motion that stops exactly at a corner is one for every tolerance of it. The closed form is the S-curve of the
+// lines, and along the circle one with seven tenths of both limits: the turn takes the rest.
+TEST(AlongArcs, SharpCornersOfLinesAndArcsTakeNoLongerThanExactStops) {
+  const Task task = arc_task(50.0);
+  const std::string moves = "G21 G90 G0 X0 Y0\nG1 X10 F6000\nG3 X10 Y0 I-10 J0\nG1 X0\nM2\n";
+  const double line = SCurve(0.01, feed, acceleration, 50.0).time();
+  for (const bool free : {false, true}) {
+    const ProgramResult exact = arc_plan("G61\n" + moves, task, free, false);
+    const ProgramResult looser = arc_plan("G64 P0.002\n" + moves, task, free, false);
+    for (const ProgramResult* result : {&exact, &looser}) expect_verified(*result, task);
+    // At each corner two samples of rest lie between motions of two kinds.
+    EXPECT_LE(looser.cycle_time, exact.cycle_time + 4.0 * T) << free;
+    EXPECT_LE(looser.cycle_time, 2.0 * line + 1.05 * SCurve(0.02 * pi, feed, 0.7 * acceleration, 35.0).time()) << free;
+  }
+}
+
 // Rest is rest: it is neither planned nor checked sample by sample.
 TEST(AlongArcs, ProgramsOfLongRestsAreAnsweredAtOnce) {
   const Task task = arc_task(unlimited);

@@ -97,6 +97,24 @@ TEST(AnyMotionBound, SaysWhetherItWasFinished) {
   EXPECT_GE(cut.time, program_lower_bound(path, m, 1e-3));
 }
 
+// A motion that keeps a jerk limit is one without it, and one that stops at a joint passes it.
+TEST(Bounds, OfMoreLimitsAndStricterPathsAreNotLower) {
+  constexpr double period = 1e-3;
+  std::string zigzag = "F6000\n";
+  for (int i = 1; i <= 12; ++i) zigzag += fmt::format("G1 X{} Y{}\n", 4 * i, i % 2 == 0 ? 0 : 3);
+  zigzag += "M2\n";
+  const Machine free = machine_of(1.0);
+  for (const double jerk : {20.0, 50.0, 1e4}) {
+    const Machine bounded = machine_of(1.0, jerk);
+    const Toolpath path = test::path_of("G64 P0.5 " + zigzag, free);
+    EXPECT_GE(any_motion_bound(path, bounded, period, 60.0, false).time,
+              any_motion_bound(path, free, period, 60.0, false).time);
+    EXPECT_GE(program_corner_bound(path, bounded, period, 60.0).time,
+              program_corner_bound(path, free, period, 60.0).time);
+    EXPECT_GE(bound_of("G61.1 " + zigzag, bounded, period), bound_of("G61 " + zigzag, bounded, period));
+  }
+}
+
 TEST(AnyMotionBound, IsNotAbovePlansOfRandomPrograms) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -22,6 +22,8 @@ TEST(ForeignWords, AreNamedWithTheirDialect) {
   EXPECT_THAT(foreign_words("$H"), HasSubstr("GRBL"));
   EXPECT_THAT(foreign_words("%TEST G71 *"), HasSubstr("HEIDENHAIN ISO"));
   EXPECT_THAT(foreign_words("BEGIN PGM TEST MM"), HasSubstr("have it written in ISO"));
+  EXPECT_THAT(foreign_words("5 L X+10 Y+10 F600"), HasSubstr("HEIDENHAIN's own language L moves along a line"));
+  EXPECT_THAT(foreign_words("C X+10 Y+0 DR-"), HasSubstr("HEIDENHAIN's own language DR-"));
   EXPECT_THAT(foreign_words("M104 S200"), HasSubstr("Klipper"));
   EXPECT_THAT(foreign_words("G51 X0 Y0 P2"), HasSubstr("let the post-processor write moves without it"));
 }
@@ -29,7 +31,7 @@ TEST(ForeignWords, AreNamedWithTheirDialect) {
 TEST(ForeignWords, AreNoWordsOfLinuxcncAndNoComments) {
   for (const char* own :
        {"G1 X1 (G68 turns)", "G61.1", "G6", "G680", "G16.5", "G5 X1 Y1 P1 Q1", "G5.1 I1 J1 X1 Y1", "G8", "G4 P1",
-        "G30 Z1", "O100 if [#1 EQ 0]", "O100 while [#<goto> LT 5]", "%", "; $H", "M10", ""})
+        "G30 Z1", "G10 L2 P1 X0", "O100 if [#1 EQ 0]", "O100 while [#<goto> LT 5]", "%", "; $H", "M10", ""})
     EXPECT_EQ(foreign_words(own), "") << own;
 }
 
@@ -44,8 +46,19 @@ TEST_F(ProgramCommand, WordsOfOtherControlsAreRefusedByTheirDialect) {
   refused("G31 Z-5", "part.ngc:3:1: ", "moves until a probe touches: such moves cannot be planned by time");
   refused("X9 M104", "part.ngc:3:4: ", "in the dialect of Marlin and Klipper");
   refused("$J=G91 X10", "part.ngc:3:1: '$' is no word", "in the dialect of GRBL");
+  refused("L X+10 Y+10 F600", "part.ngc:3:1: word L has no number", "in the dialect of HEIDENHAIN's own language L");
   refused("G05.1 Q1", "part.ngc:3:1: G5.1 needs both I and J", "FANUC G5.1 switches look-ahead");
   refused("G4 X1.5", "part.ngc:3:1: G4 needs its time in P, in seconds", "FANUC G4 dwells by X");
+}
+
+TEST_F(ProgramCommand, FeedsOfZeroAreNoMissingFeeds) {
+  const auto refused = [&](const char* text, const char* what) {
+    write("part.ngc", std::string("G21 G90\n") + text + "\nM30\n");
+    EXPECT_EQ(run("program part.ngc --task task.toml").code, 2) << text;
+    EXPECT_THAT(read("err"), HasSubstr(what)) << text;
+  };
+  for (const char* zero : {"G1 X10 F0", "F0\nG2 X2 I1"}) refused(zero, "the feed is zero: F must be greater");
+  for (const char* none : {"G1 X10", "F0 G94\nG94\nG1 X10"}) refused(none, "no feed: an F word must come before");
 }
 
 TEST_F(ProgramCommand, DwellsThatMayBeMeantInMillisecondsAreNamed) {

@@ -278,15 +278,43 @@ class MotionBound {
   std::map<Key, TubeLoss> corners_;
 };
 
+bool rests_inside(const Toolpath& path) {
+  return std::count(path.joint.begin(), path.joint.end(), Joint::stop) > 1;
+}
+
+/// The path with its stops, but for the last, as corners that are passed exactly. Dwells stay.
+Toolpath without_stops(Toolpath path) {
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] != Joint::stop) continue;
+    path.joint[b] = Joint::corner;
+    path.tolerance[b] = 0.0;
+  }
+  return path;
+}
+
 }  // namespace
 
 AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period,
                                 double time_limit, bool thorough) {
   const Machine machine = program_machine(task_machine, path);
-  const double points = program_lower_bound(path, machine, sample_period);
-  MotionBound motions(path, machine, sample_period, time_limit, thorough);
-  const double time = std::max(points, motions.bound());
-  return {time, motions.complete()};
+  const auto start = std::chrono::steady_clock::now();
+  AnyMotionBound bound{program_lower_bound(path, machine, sample_period), true};
+  const auto add = [&](const Toolpath& of_path, const Machine& of_machine, double share, bool effort) {
+    const double left = time_limit - seconds_since(start);
+    MotionBound motions(of_path, of_machine, sample_period, share * left, effort);
+    bound.time = std::max(bound.time, motions.bound());
+    bound.complete = bound.complete && motions.complete();
+  };
+  const bool jerk = limits_jerk(machine), stops = rests_inside(path);
+  // Those that take a part of a second come first: the time may end the others.
+  add(path, machine, jerk || stops || thorough ? 0.5 : 1.0, false);
+  if (jerk) add(path, without_jerk_limits(machine), stops || thorough ? 0.5 : 1.0, false);
+  if (stops) add(without_stops(path), machine, thorough ? 0.5 : 1.0, false);
+  if (!thorough) return bound;
+  bound.complete = true;
+  add(path, machine, jerk ? 0.5 : 1.0, true);
+  if (jerk) add(path, without_jerk_limits(machine), 1.0, true);
+  return bound;
 }
 
 }  // namespace accdec

@@ -22,6 +22,9 @@ struct AnyMotionBound {
 /// Legs of an arc are its chords; a motion may be as near to the arc itself instead. So it may run inside the arc by
 /// its tolerance, which every joint of two chords saves its part of.
 ///
+/// The largest of several bounds counts. Windows with a jerk limit show less than those without, and stops end windows.
+/// If less effort bounds more, that bound counts, too.
+///
 /// THEORY.md has the derivation: "Paces and losses", and "Samples and continuous motion".
 /// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs
 /// @param thorough  whether weight_bound and kernel_bound may take seconds, else a fraction of one

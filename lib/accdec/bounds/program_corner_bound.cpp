@@ -255,7 +255,11 @@ class ProgramCornerBound {
 CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period,
                                  double time_limit) {
   const Machine of_path = program_machine(machine, path);
-  return ProgramCornerBound(path, of_path, sample_period).bound(time_limit);
+  if (!limits_jerk(of_path)) return ProgramCornerBound(path, of_path, sample_period).bound(time_limit);
+  const CornerBound bound = ProgramCornerBound(path, of_path, sample_period).bound(0.5 * time_limit);
+  const Machine freer = without_jerk_limits(of_path);
+  const CornerBound other = ProgramCornerBound(path, freer, sample_period).bound(0.5 * time_limit);
+  return other.time > bound.time ? other : bound;
 }
 
 }  // namespace accdec

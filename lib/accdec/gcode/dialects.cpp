@@ -63,6 +63,8 @@ constexpr std::array statements{
     ForeignCode{",C", "", "FANUC", "chamfers a corner: write the line"},
     ForeignCode{"BEGINPGM", "", "HEIDENHAIN's own language", "begins a program: have it written in ISO"},
     ForeignCode{"TOOLCALL", "", "HEIDENHAIN's own language", "calls a tool: have it written in ISO"},
+    ForeignCode{"DR+", "", "HEIDENHAIN's own language", "turns along an arc: have it written in ISO"},
+    ForeignCode{"DR-", "", "HEIDENHAIN's own language", "turns along an arc: have it written in ISO"},
     ForeignCode{"$", "", "GRBL", "sets or asks the control: leave the line out"},
 };
 
@@ -100,6 +102,11 @@ std::string told(const ForeignCode& code) {
                      advice);
 }
 
+/// L X+10 in a line without its number. Other controls want a number behind L.
+bool is_line_of_heidenhain(std::string_view words) {
+  return words.starts_with('L') && words.find_first_of("XYZABCUVWI", 1) == 1;
+}
+
 }  // namespace
 
 std::string foreign_words(std::string_view line) {
@@ -111,6 +118,8 @@ std::string foreign_words(std::string_view line) {
       if (words.find(statement.word) != words.npos) return told(statement);
     }
   }
+  if (is_line_of_heidenhain(std::string_view(words).substr(first)))
+    return told({"L", "", "HEIDENHAIN's own language", "moves along a line: have it written in ISO"});
   for (const ForeignCode& code : codes) {
     const std::size_t at = find_word(words, code.word);
     if (at != words.npos && (code.beside.empty() || find_word(words, code.beside) != words.npos)) return told(code);

@@ -8,6 +8,7 @@ namespace accdec {
 namespace {
 
 constexpr const char* no_feed = "no feed: an F word must come before this move; G94 forgets the feed before it";
+constexpr const char* zero_feed = "the feed is zero: F must be greater before this move";
 
 /// m: how precisely an arc in an exact path mode is followed. With chords as fine as the sagitta between two samples of
 /// the arc's fastest motion, the arc is driven at nearly that speed. Chord, rounding of the chords' ends, and sagitta
@@ -48,13 +49,17 @@ void MoveState::send(const ProgramPoint& to, bool rapid, bool inside_arc, std::s
   position = to;
 }
 
+void MoveState::require_feed(std::size_t column) const {
+  if (feed <= 0.0) source_.fail(column, fed ? zero_feed : no_feed);
+}
+
 void MoveState::straight(const ProgramPoint& to, bool rapid, std::size_t column) {
-  if (!rapid && feed <= 0.0) source_.fail(column, no_feed);
+  if (!rapid) require_feed(column);
   send(to, rapid, false, column);
 }
 
 void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, std::size_t column) {
-  if (feed <= 0.0) source_.fail(column, no_feed);
+  require_feed(column);
   arc.from = position;
   arc.first = first_axis(plane);
   arc.second = second_axis(plane);
@@ -83,7 +88,7 @@ void MoveState::arc(Arc arc, bool clockwise, int turns, const double* radius, st
 }
 
 void MoveState::spline(const std::vector<ControlPoint>& control, int order, std::size_t column) {
-  if (feed <= 0.0) source_.fail(column, no_feed);
+  require_feed(column);
   const auto points = flatten_spline(control, order, chord_distance());
   if (points.empty())
     source_.fail(column, "spline of more than 10 million chords: the arc tolerance is too small for it");

@@ -17,6 +17,7 @@ class MoveState {
   ProgramPoint position{};
   double unit = 1e-3;       ///< m per unit of length
   double feed = 0.0;        ///< units of length (or degrees) per minute; 0: none yet
+  bool fed = false;         ///< by an F word, which may be 0
   double tolerance = -1.0;  ///< m, see Move
   double merge = -1.0;      ///< m, see Move
   PathControl control = PathControl::blend;
@@ -37,6 +38,7 @@ class MoveState {
   static std::size_t second_axis(Plane plane) { return plane == Plane::xy ? 1 : plane == Plane::zx ? 0 : 2; }
 
  private:
+  void require_feed(std::size_t column) const;
   void send(const ProgramPoint& to, bool rapid, bool inside_arc, std::size_t column);
   /// m, of chords from their arc: at most an eighth of the tolerance in force, a third in an exact path mode. Between
   /// joints the motion may be off by this more, so the tolerances of joints leave room for it.

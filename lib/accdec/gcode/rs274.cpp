@@ -101,10 +101,13 @@ class Interpreter {
 bool Interpreter::execute() {
   used_ = Words::passed_over;
   for (const Words::Item& g : words_.g_codes()) {
-    if (g.tenths == 940) state_.feed = 0.0;  // sets the mode and forgets the feed; F of the same block counts after it
+    if (g.tenths != 940) continue;
+    state_.feed = 0.0;  // sets the mode and forgets the feed; F of the same block counts after it
+    state_.fed = false;
   }
   if (take('F')) {
     state_.feed = words_['F'];
+    state_.fed = true;
     if (!(state_.feed >= 0.0)) source_.fail(words_.column('F'), "the feed cannot be negative");
   }
   if ((words_.present() & Words::passed_over) != 0U) check_numbers();

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include <accdec/plan/along/along_run.hpp>
+#include <accdec/plan/along/smooth_path.hpp>
 #include <accdec/plan/along/stop_runs.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 
@@ -115,11 +118,73 @@ class Joining {
   FreeSamples result_;
 };
 
+/// Blocks that go on without a sharp turn, at whose end the path turns sharply.
+struct SmoothPart {
+  std::size_t first = 0, last = 0;
+  bool arcs = false;
+};
+
+std::vector<SmoothPart> smooth_parts(const FreePath& free, std::size_t first, std::size_t last) {
+  constexpr double sharp = 0.02;  // rad; a motion along the path nearly rests there
+  const SmoothPath curve(free.path, first, last);
+  std::vector<SmoothPart> parts;
+  for (std::size_t i = 0; i < curve.pieces().size(); ++i) {
+    const SmoothPath::Piece& piece = curve.pieces()[i];
+    double turn = i == 0 ? unlimited : 0.0;
+    if (i > 0) {
+      const PathPlace in = curve.at(curve.pieces()[i - 1], piece.begin), out = curve.at(piece, piece.begin);
+      for (std::size_t a = 0; a < free.dimensions(); ++a) turn = std::hypot(turn, out.first[a] - in.first[a]);
+    }
+    if (turn > sharp) parts.push_back({piece.first, piece.last});
+    parts.back().last = piece.last;
+    parts.back().arcs = parts.back().arcs || piece.arc != nullptr;
+  }
+  return parts;
+}
+
+/// A motion that rests wherever the path turns sharply. Coming to rest takes less time than creeping around a corner.
+/// @returns none without such a turn or without arcs, or if a part has no motion
+std::optional<AlongRun> resting_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
+                                    const Deadline& deadline) {
+  const std::vector<SmoothPart> parts = smooth_parts(free, first, last);
+  if (parts.size() < 2 || std::none_of(parts.begin(), parts.end(), [](const SmoothPart& p) { return p.arcs; }))
+    return {};
+  const std::size_t n = free.dimensions();
+  AlongRun whole;
+  // Motions of two kinds do not meet as exactly as those of one, see Joining: before and behind are runs along arcs.
+  bool arcs = true;
+  const auto meet = [&](bool next, std::size_t point) {
+    for (std::size_t k = 0; next != arcs && k + 1 < free.border(); ++k)
+      whole.position.insert(whole.position.end(), free.path.point(point), free.path.point(point) + n);
+    arcs = next;
+  };
+  for (const SmoothPart& part : parts) {
+    if (part.first == 0) arcs = part.arcs;
+    meet(part.arcs, part.first);
+    const std::size_t taken = whole.position.size() / n;
+    if (taken >= most || deadline.over()) return {};
+    if (part.first > first) whole.passes.push_back(static_cast<double>(taken));
+    const auto run = part.arcs ? along_run(free, part.first, part.last, most - taken, deadline)
+                               : straight_run(free, part.first, part.last);
+    if (!run) return {};
+    whole.position.insert(whole.position.end(), run->position.begin(), run->position.end());
+    for (const double pass : run->passes) whole.passes.push_back(static_cast<double>(taken) + pass);
+  }
+  if (last + 1 < free.path.blocks()) meet(true, last + 1);
+  return whole;
+}
+
 }  // namespace
 
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline) {
   const auto make = [&](std::size_t first, std::size_t last, std::size_t most) {
-    return deadline.over() ? std::nullopt : along_run(free, first, last, most, deadline);
+    if (deadline.over()) return std::optional<AlongRun>();
+    std::optional<AlongRun> run = along_run(free, first, last, most, deadline);
+    if (run) most = std::min(most, run->position.size() / free.dimensions());
+    if (auto resting = resting_run(free, first, last, most, deadline);
+        resting && resting->position.size() / free.dimensions() < most)
+      run = std::move(resting);
+    return run;
   };
   return Joining(free, motion, make).run();
 }

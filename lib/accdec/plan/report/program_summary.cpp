@@ -30,6 +30,21 @@ std::string indented(std::string text) {
   return text;
 }
 
+/// Limits of which bounds know nothing or only a part; empty if there are none.
+std::string left_out_by_bounds(const Machine& machine) {
+  std::vector<std::string> texts;
+  const auto add = [&](bool limited, const char* text) {
+    if (limited && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.emplace_back(text);
+  };
+  for (const Axis& axis : machine.axes) {
+    add(axis.force_max < unlimited, "force_max_N, but for the acceleration that it gives if friction helps");
+    add(axis.power_max < unlimited, "power_max_W");
+    add(axis.regeneration_max < unlimited, "regeneration_max_W");
+  }
+  add(!machine.modes.empty(), "[[mode]]");
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
 class SummaryText {
  public:
   explicit SummaryText(const ProgramResult& result) : result_(result) {}
@@ -44,6 +59,9 @@ class SummaryText {
     limits();
     control();
     put("\n  ignored: {}\n", not_considered_text(moved_machine(result_), rated()));
+    if (const std::string left_out = left_out_by_bounds(moved_machine(result_));
+        !left_out.empty() && result_.corner_bound)
+      put("  ignored by the bounds: {}\n", left_out);
     put("  planned and verified in {:.3g} s", result_.solver.wall_time);
     if (result_.peak_memory > 0) put(", at most {:.0f} MB of memory", static_cast<double>(result_.peak_memory) * 1e-6);
     put("\n");
