@@ -4,7 +4,7 @@
 
 #include "program_command.hpp"
 
-// What bounds leave out, and what verify leaves of them.
+// The summary names the limits that bounds leave out; verify says that it did not recompute bounds.
 
 namespace accdec::test {
 namespace {
