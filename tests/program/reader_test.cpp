@@ -162,7 +162,7 @@ TEST(Reader, NamesTheErrorAndItsPlace) {
   expect_error("G1 F100\n X1 X2\n", "2:5", "twice");
   expect_error("G1 F-5 X1\n", "1:4", "negative");
   // As in rs274: no feed may be set, but nothing moves with it, and G94 forgets the feed.
-  expect_error("G1 F0 X1\n", "1:7", "no feed");
+  expect_error("G1 F0 X1\n", "1:7", "the feed is zero");
   expect_error("F600\nG94\nG1 X1\n", "3:4", "no feed");
   EXPECT_EQ(read("G94 F600\nG1 X1\nF0\nG0 X2\n").moves.size(), 2U);
   expect_error("G1 N5 F600 X1\n", "1:4", "first word");
