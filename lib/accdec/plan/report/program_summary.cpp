@@ -197,7 +197,8 @@ class SummaryText {
     put("\n  a control must {}\n", fmt::join(control_needs(result_), ", "));
     // Each of four positions in a third difference is rounded by half a unit, with weights 1, 3, 3 and 1.
     if (const double unit = result_.task_machine.position_unit; unit > 0.0) {
-      const auto [turning, moving] = kinds_of_axes();
+      const std::pair<bool, bool> kinds = kinds_of_axes();
+      const bool turning = kinds.first, moving = kinds.second;
       const auto either = [&](std::string_view linear, std::string_view rotary) {
         return fmt::format("{}{}{}", moving ? linear : "", moving && turning ? " or " : "", turning ? rotary : "");
       };
