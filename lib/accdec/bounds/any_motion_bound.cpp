@@ -13,6 +13,7 @@
 #include <accdec/bounds/weight_bound.hpp>
 #include <accdec/bounds/window_bound.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/simulate/tube_check.hpp>
 
 namespace accdec {

@@ -111,10 +111,6 @@ double acceleration_most(const Axis& axis) {
   return most;
 }
 
-bool limits_jerk(const Machine& machine) {
-  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& a) { return a.jerk_max < unlimited; });
-}
-
 Machine without_jerk_limits(Machine machine) {
   for (Axis& axis : machine.axes) axis.jerk_max = unlimited;
   return machine;

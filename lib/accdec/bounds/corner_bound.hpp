@@ -60,9 +60,6 @@ CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, d
 /// The largest acceleration of an axis at any speed up to its limit: friction helps to brake. m/s^2
 double acceleration_most(const Axis& axis);
 
-/// Whether an axis limits its jerk.
-bool limits_jerk(const Machine& machine);
-
 /// The same machine without jerk limits: a bound for it holds for the machine, too.
 Machine without_jerk_limits(Machine machine);
 

@@ -9,6 +9,7 @@
 #include <accdec/bounds/bound_leg.hpp>
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/filter_bound.hpp>
+#include <accdec/machine/limits.hpp>
 
 namespace accdec {
 namespace {

@@ -144,6 +144,11 @@ inline constexpr int most_differences = [] {
 /// is one for the velocity and one for each difference. Delays longer than the order plus this number change nothing.
 inline constexpr int settling = 1 + most_differences;
 
+/// Whether any axis limits its jerk.
+inline bool limits_jerk(const Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [](const Axis& a) { return a.jerk_max < unlimited; });
+}
+
 /// Whether a sample holds every limit of its axis. @param slack  factor on all bounds
 inline bool holds(const Axis& axis, const AxisState& state, double slack) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {

@@ -8,6 +8,7 @@
 #include <accdec/families/trial_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/force_speed.hpp>
+#include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
@@ -72,11 +73,6 @@ class Search {
   }
 
  private:
-  static bool limits_jerk(const Machine& machine) {
-    return std::any_of(machine.axes.begin(), machine.axes.end(),
-                       [](const Axis& axis) { return axis.jerk_max < unlimited; });
-  }
-
   double acceleration(std::size_t axis) const {
     if (axis >= machine_.axes.size()) return 1e30;
     const Axis& limits = machine_.axes[axis];

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <accdec/machine/limits.hpp>
 #include <accdec/plan/free/free_path.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/simulate/tube_check.hpp>
@@ -13,8 +14,7 @@ FreePath::FreePath(const Toolpath& toolpath, const Machine& limits, double sampl
       period(sample_period),
       radius(tube_radii(toolpath)),
       feed(feed_limits(toolpath)),
-      jerk(std::any_of(limits.axes.begin(), limits.axes.end(),
-                       [](const Axis& axis) { return axis.jerk_max < unlimited; })) {}
+      jerk(limits_jerk(limits)) {}
 
 std::size_t FreePath::rests_at(std::size_t block) const {
   double time = 0.0;
