@@ -14,6 +14,23 @@ namespace {
 constexpr double inside = 1.0 - 1e-7;
 constexpr std::size_t unknowns_max = 20'000;
 
+/// Along the leg, m/s, m/s^2, m/s^3, without those of force.
+struct LegLimits {
+  double speed, acceleration = unlimited, jerk = unlimited;
+};
+
+LegLimits limits_along(const FreePath& free, const StraightLeg& leg) {
+  LegLimits limits{.speed = leg.feed};
+  for (std::size_t a = 0; a < free.dimensions(); ++a) {
+    const Axis& axis = free.machine.axes[a];
+    const double part = std::abs(leg.direction[a]);
+    limits.speed = std::min(limits.speed, axis.velocity_max / part);
+    limits.acceleration = std::min(limits.acceleration, axis.acceleration_max / part);
+    limits.jerk = std::min(limits.jerk, axis.jerk_max / part);
+  }
+  return limits;
+}
+
 /// A step that stands for `more` + 1 equal ones.
 struct Held {
   std::size_t step = 0, more = 0;
@@ -25,6 +42,7 @@ class LegProgram {
       : free_(free),
         leg_(leg),
         start_(start),
+        limits_(limits_along(free, leg)),
         held_(held),
         unit_(1e-3 * leg.length),
         program_(count - held.more, 1, free.border()) {
@@ -85,10 +103,7 @@ class LegProgram {
 
   /// Steps go forward, and no faster than axes and feed allow.
   void add_speed() {
-    double most = leg_.feed;
-    for (std::size_t a = 0; a < free_.dimensions(); ++a)
-      most = std::min(most, free_.machine.axes[a].velocity_max / std::abs(leg_.direction[a]));
-    const double longest = most * free_.period * inside;
+    const double longest = limits_.speed * free_.period * inside;
     for (std::size_t p = 0; p < steps_.size(); ++p) {
       if (p > 0 && steps_[p] == steps_[p - 1]) continue;
       LinearForm form;
@@ -105,15 +120,7 @@ class LegProgram {
     if (jerk < unlimited) bound(p, {f, -2.0 * f, f}, axis, part);
   }
   /// Differences behind rest, or far enough from the beginning, of all axes at once.
-  void add_line(std::size_t p) {
-    double acceleration = unlimited, jerk = unlimited;
-    for (std::size_t a = 0; a < free_.dimensions(); ++a) {
-      const double part = std::abs(leg_.direction[a]);
-      acceleration = std::min(acceleration, free_.machine.axes[a].acceleration_max / part);
-      jerk = std::min(jerk, free_.machine.axes[a].jerk_max / part);
-    }
-    add_differences(p, acceleration, jerk, 0, 1.0);
-  }
+  void add_line(std::size_t p) { add_differences(p, limits_.acceleration, limits_.jerk, 0, 1.0); }
   /// Those that see the steps before.
   void add_axis(std::size_t p, std::size_t a) {
     if (leg_.direction[a] == 0.0) return;
@@ -130,6 +137,7 @@ class LegProgram {
   const FreePath& free_;
   const StraightLeg& leg_;
   const LegStart& start_;
+  const LegLimits limits_;
   const Held held_;
   const double unit_;  // m, of the unknowns, so that the length is a thousand
   std::vector<std::size_t> steps_;
@@ -147,9 +155,7 @@ double way_at(const std::vector<double>& way, double k) {
 Held held_steps(const FreePath& free, const StraightLeg& leg, const std::vector<double>& way, std::size_t count) {
   constexpr std::size_t near = 24;     // samples of full speed that stay beside it
   constexpr double full = 1.0 - 1e-5;  // of the largest speed
-  double most = leg.feed;
-  for (std::size_t a = 0; a < free.dimensions(); ++a)
-    most = std::min(most, free.machine.axes[a].velocity_max / std::abs(leg.direction[a]));
+  const double most = limits_along(free, leg).speed;
   const auto fast = [&](std::size_t k) { return way[k] - way[k - 1] >= full * most * free.period; };
   std::size_t head = 1, tail = way.size() - 1;
   while (head < tail && !fast(head)) ++head;
@@ -173,15 +179,10 @@ struct Lengths {
 /// The shortest averages that make a step as long as the leg a motion within the limits.
 std::optional<Lengths> averages_of(const FreePath& free, const StraightLeg& leg) {
   constexpr std::size_t longer = 400, most = 2'000'000;  // samples of the first average
-  double speed = leg.feed, acceleration = unlimited, jerk = unlimited;
   for (std::size_t a = 0; a < free.dimensions(); ++a) {
-    const Axis& axis = free.machine.axes[a];
-    const double part = std::abs(leg.direction[a]);
-    if (part > 0.0 && axis.force_max < unlimited) return {};
-    speed = std::min(speed, axis.velocity_max / part);
-    acceleration = std::min(acceleration, axis.acceleration_max / part);
-    jerk = std::min(jerk, axis.jerk_max / part);
+    if (leg.direction[a] != 0.0 && free.machine.axes[a].force_max < unlimited) return {};
   }
+  const auto [speed, acceleration, jerk] = limits_along(free, leg);
   if (!(leg.length / (speed * free.period) < static_cast<double>(most))) return {};
   const std::size_t least = at_least(leg.length / (speed * free.period));
   std::optional<Lengths> best;
