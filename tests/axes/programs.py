@@ -117,8 +117,8 @@ def check_contour(task, result, command, position):
 
 
 def events(command):
-    """Changes of the command that count together, for each axis: those until the motion goes on evenly, and those before
-    every corner, behind which it would if nothing came later."""
+    """Changes of the command that count together, for each axis: those until the motion goes on evenly, and those
+    before     every corner, behind which it would if nothing came later."""
     changes = np.abs(np.diff(command.raw, axis=0, prepend=0.0)) * command.period > STILL
     span = command.order - np.flatnonzero(command.taps)[0]
     found, parts, before = [[]], [], 0

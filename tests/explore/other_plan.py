@@ -38,6 +38,6 @@ def other_plan(browser, speeds, period=1e-3):
             k = round(float(own or t) / period)
             at = speeds[name][k] if k < len(speeds[name]) else 0.0
             check(abs(float(said) - at) <= 6e-4 * at + 1e-4, f"plan {name} at {own or t} s: {said} of {at:.4f} mm/s")
-        # The plan in colour has a sample at the time that is shown; where both are steady the one in grey may have none.
+        # The plan in colour has a sample at the time that is shown. The one in grey may have none if both are steady.
         check(any(" at " not in text for _, text in plans), f"one number is of {t} s")
     browser.value("document.querySelectorAll('#plans button')[0].click()")

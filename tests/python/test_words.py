@@ -18,7 +18,8 @@ INSTEAD = {"direction_in": {"direction_in": [1, 0], "direction_out": [0, 1], "fe
            "residual_max_um": {"frequency": 40.0, "axis": "x", "residual_max_um": 3.0},
            "axis": {"frequency": 40.0, "axis": "x", "residual_max_um": 3.0}}
 # Their names have a unit for Python, too: those of rotary axes, pairs of two units, and a second bound of a mode.
-WITH_UNIT = re.compile(r"force_speed_N|torque_speed_N_m|residual_max_um|parameter_unit_ms|\w+_deg_s[23]?|\w+_N_m(_s)?|inertia_kg_m2")
+WITH_UNIT = re.compile(r"force_speed_N|torque_speed_N_m|residual_max_um|parameter_unit_ms|\w+_deg_s[23]?|"
+                       r"\w+_N_m(_s)?|inertia_kg_m2")
 UNIT = re.compile(r"\b\w+_(ms|us|Hz|um|mm|mm_min|mm_s|mm_s2|mm_s3|deg|kg|N|W|N_s_m|1_s|samples)\b")
 FILE = re.compile(r"\[\[[a-z]|\[[a-z]+\]|in quotes|\btable|\barray|\bstring|an integer|fraction|boolean|\btrue\b"
                   r"|\bfalse\b|--|top level|/axis|/corner|unexpected|NoneType|incompatible|could not|object is not")
