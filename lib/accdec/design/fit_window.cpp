@@ -109,7 +109,7 @@ FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int ord
 }
 
 CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vector<int>& first,
-                             const std::vector<int>& count, Ends ends) const {
+                             const std::vector<int>& count, Ends ends, double slack) const {
   const auto rows = static_cast<Eigen::Index>(rows_.size()), legs = static_cast<Eigen::Index>(first.size());
   const std::vector<Addition> more = additions(ends);
   const auto kinds = static_cast<Eigen::Index>(more.size());
@@ -127,7 +127,7 @@ CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vect
   CommandFit fit;
   fit.first = first, fit.count = count, fit.ends = ends;
   const Eigen::MatrixXd normal = basis.transpose() * basis, right = basis.transpose() * at_;
-  fit.parts = parts_of(normal, right, legs, kinds, ends == Ends::between);
+  fit.parts = parts_of(normal, right, legs, kinds, ends == Ends::between, slack);
   const Eigen::MatrixXd joined = joined_parts(fit.parts);
   fit.coefficients = (joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right);
   const Eigen::VectorXd squares =
@@ -146,7 +146,7 @@ CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vect
 }
 
 Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right, Eigen::Index legs,
-                                    Eigen::Index kinds, bool alike) const {
+                                    Eigen::Index kinds, bool alike, double slack) const {
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(kinds, legs);
   std::vector<Eigen::Index> open;  // parts that are not at an end of their range
   for (Eigen::Index i = 0; i < kinds * legs; ++i) open.push_back(i);
@@ -166,10 +166,10 @@ Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::
       const double product = ways.row(1 + leg).dot(ways.row(1 + legs + static_cast<Eigen::Index>(i)));
       const double square = ways.row(1 + leg).squaredNorm(), part = product / square;
       over += product, under += square;
-      parts(open[i] / legs, leg) = std::clamp(part, 0.0, 1.0);
-      if (part >= 0.0 && part <= 1.0) inside.push_back(open[i]);
+      parts(open[i] / legs, leg) = std::clamp(part, -slack, 1.0 + slack);
+      if (part >= -slack && part <= 1.0 + slack) inside.push_back(open[i]);
     }
-    if (alike) parts.setConstant(std::clamp(over / under, 0.0, 1.0));
+    if (alike) parts.setConstant(std::clamp(over / under, -slack, 1.0 + slack));
     if (alike || inside.size() == open.size()) break;
     for (const Eigen::Index i : inside) parts(i / legs, i % legs) = 0.0;
     open = std::move(inside);
@@ -178,7 +178,7 @@ Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::
 }
 
 CommandFit FitWindow::refit(const Filter& filter, const CommandFit& fit) const {
-  return fit_at(moved(behind(filter, smoothing_)), fit.first, fit.count, fit.ends);
+  return fit_at(moved(behind(filter, smoothing_)), fit.first, fit.count, fit.ends, 0.0);
 }
 
 CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& reading) const {
@@ -192,7 +192,8 @@ CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& rea
     const double begins = leg.first + (reading.samples > 0 ? 0.5 * (length - reading.samples) : 0.0);
     first.push_back(static_cast<int>(std::lround(begins - filter.mean_delay())));
   }
-  CommandFit best = fit_at(reached, first, count, reading.ends);
+  // A command that may not move to the sample where it begins has parts of steps in its place.
+  CommandFit best = fit_at(reached, first, count, reading.ends, around > 0 ? 0.0 : 1.0);
   // Coordinate by coordinate: each number is known to a fraction of a sample.
   for (bool better = around > 0; better;) {
     better = false;
@@ -202,7 +203,7 @@ CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& rea
         const std::size_t leg = i / 2;
         (i % 2 == 0 ? f : n)[leg] += step;
         if (n[leg] < 1 || std::abs(f[leg] - first[leg]) > around || std::abs(n[leg] - count[leg]) > around) continue;
-        CommandFit tried = fit_at(reached, f, n, reading.ends);
+        CommandFit tried = fit_at(reached, f, n, reading.ends, 0.0);
         if (tried.squares < best.squares) best = std::move(tried), better = true;
       }
     }

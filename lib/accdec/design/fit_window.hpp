@@ -64,10 +64,11 @@ class FitWindow {
 
  private:
   CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first, const std::vector<int>& count,
-                    Ends ends) const;
+                    Ends ends, double slack) const;
   /// Parts of a full step that the ends of a fit move, of its normal equations. @param alike  all legs have one
+  /// @param slack  by which they may be less than 0 or more than 1
   Eigen::MatrixXd parts_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right, Eigen::Index legs,
-                           Eigen::Index kinds, bool alike) const;
+                           Eigen::Index kinds, bool alike, double slack) const;
   /// The same command, with the ways that fit this filter best.
   CommandFit refit(const Filter& filter, const CommandFit& fit) const;
   /// With the ways of a fit, and any start.
