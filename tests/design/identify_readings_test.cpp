@@ -39,7 +39,7 @@ double difference(const MotionLog& log, const FittedFilter& fit) {
   return std::sqrt(squares / static_cast<double>(count));
 }
 
-/// Averages and a move are factors of one product: a move of 15 behind 40 and 10 is one of 40 behind 15 and 10, and one
+/// Averages and a move are factors of one product. A move of 15 behind 40 and 10 is one of 40 behind 15 and 10, and one
 /// of 10 behind 40 and 15. One sample of 0.1 um tells nothing of them; neighbours are far behind.
 TEST(IdentifyReadings, AMoveMayBeShorterThanAnAverage) {
   const double noise = 1e-7;
