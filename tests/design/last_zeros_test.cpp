@@ -29,7 +29,7 @@ TEST(LastZeros, AreTakenAwayDownToTheLeastOrder) {
   const std::vector<double> taps{0.25, 0.75, 0.0, 0.0, 0.0};
   EXPECT_THAT(without(task, taps), ::testing::ElementsAre(0.25, 0.75));
   EXPECT_THAT(without(task, {0.25, 0.0, 0.75}), ::testing::ElementsAre(0.25, 0.0, 0.75));
-  EXPECT_THAT(without(task, {1.0, 0.0}), ::testing::ElementsAre(1.0));
+  EXPECT_THAT(without(task, {1.0, 0.0, 0.0}), ::testing::ElementsAre(1.0, 0.0));  // order_min is 1
   task.design.order_min = 3;
   EXPECT_THAT(without(task, taps), ::testing::ElementsAre(0.25, 0.75, 0.0, 0.0));
 }
