@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -22,7 +21,7 @@ constexpr double unexplained = 0.1;
 constexpr double noise_least = 1e-12;  // m; rounding
 constexpr double exact_part = 0.01;    // of the log's rounding; a fit that leaves less has no part of it
 constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
-constexpr double rare = 6.0;           // the same, of commands that begin or end between samples: one in twenty
+constexpr double rare = 3.0;           // the same, of commands that begin or end between samples: one in five
 /// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
 constexpr double model_part = 1e-4;
 constexpr double faster = 1.05;   // a move faster by this factor than the log's constant speed is another reading
@@ -282,12 +281,13 @@ class Identifier {
     };
     std::stable_sort(all_.begin(), all_.end(),
                      [&](const FamilyFit& a, const FamilyFit& b) { return cost(a) < cost(b); });
-    double least = std::numeric_limits<double>::infinity(), sum = 0.0;
+    const double all_least = cost(all_.front());
+    double least = all_least, sum = 0.0;
     std::vector<FittedFilter> fits;
     std::vector<Filter> filters;
     for (FamilyFit& c : all_) {
-      const double worse = fits.empty() ? 0.0 : cost(c) - least;
-      if (worse > options_.sigmas * options_.sigmas) break;
+      // A feed that no good fit has is not that of the log.
+      if (cost(c) - all_least > options_.sigmas * options_.sigmas) break;
       // Two families can say the same: an average of 12 with impulses 12 samples apart is one of 24.
       const Filter filter = make_filter(c.fitted.filter);
       if (std::ranges::any_of(filters, [&](const Filter& other) { return same_taps(filter, other); })) continue;
@@ -295,6 +295,7 @@ class Identifier {
       c.fitted.moves = moves_of(fit);
       if (!possible_(c.fitted.moves)) continue;
       if (fits.empty()) least = cost(c), best_fit_ = fit;
+      const double worse = cost(c) - least;
       filters.push_back(filter);
       c.fitted.sigmas = std::sqrt(worse);
       c.fitted.likelihood = std::exp(-0.5 * worse);
