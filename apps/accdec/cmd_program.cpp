@@ -13,6 +13,7 @@
 
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
+#include <accdec/files/temporaries.hpp>
 #include <accdec/files/text_file.hpp>
 #include <accdec/formats/controller_file.hpp>
 #include <accdec/formats/key_place.hpp>
@@ -26,7 +27,7 @@
 #include <accdec/program.hpp>
 #include <accdec/task.hpp>
 
-#include "interrupt.hpp"
+#include "interruptible_plan.hpp"
 #include "option_checks.hpp"
 #include "output.hpp"
 #include "program_figure.hpp"
@@ -121,9 +122,9 @@ void require_words(const ProgramArguments& options, const Task& task) {
   }
 }
 
-/// Says so where --samples writes more than a gigabyte: about 23 bytes an axis and 12 for the time, every sample.
+/// Says so where --samples writes more than a gigabyte: about 26 bytes an axis and 12 for the time, every sample.
 void warn_of_size(const std::string& file, double samples, std::size_t axes) {
-  const double bytes = samples * (12.0 + 23.0 * static_cast<double>(axes));
+  const double bytes = samples * (12.0 + 26.0 * static_cast<double>(axes));
   if (!file.empty() && bytes > 1e9)
     std::fprintf(stderr, "--samples %s: about %.1f GB, %.3g samples\n", printable(file).c_str(), 1e-9 * bytes, samples);
 }
@@ -133,33 +134,12 @@ std::int64_t peak_memory() {
   return getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<std::int64_t>(usage.ru_maxrss) * 1024 : 0;
 }
 
-/// A free motion: Ctrl-C ends it with the best so far.
-ProgramResult free_motion(const ProgramArguments& options, const Context& context, ProgramFile file, const Task& task) {
-  const Interrupt interrupt;
-  std::optional<StatusLine> status;
-  status.emplace(context.quiet, StatusLine::Lines::none, options.file.time_limit.value_or(0.0));
-  std::string last;
-  ProgramFileOptions asked = options.file;
-  asked.deadline.end_when(Interrupt::asked());
-  asked.free.progress = [&](double gained, double share) {
-    status->tell(fmt::format("{:.0f} % of a sweep, {:.3f} s gained", 100.0 * share, gained));
-  };
-  ProgramResult result = run_program_file(std::move(file), task, asked, [&](const std::string& line) {
-    last = line;
-    status->tell(line);
-  });
-  status.reset();
-  const bool other = result.plan.name() != std::string("free");
-  if (other && result.verification.feasible) std::fprintf(stderr, "%s\n", last.c_str());
-  return result;
-}
-
 /// The requested plan. None if no filter holds; a line then says so.
 std::optional<ProgramResult> plan_with(const ProgramArguments& options, Context& context, ProgramFile file,
                                        const Task& task) {
   std::optional<ProgramResult> result;
   if (options.file.plan == PlanKind::free) {
-    result = free_motion(options, context, std::move(file), task);
+    result = interruptible_plan(options.file, context.quiet, std::move(file), task);
   } else {
     const bool given = options.file.plan == PlanKind::fixed && task.filter;
     StatusLine status(context.quiet, given ? StatusLine::Lines::none : StatusLine::Lines::news);
@@ -206,6 +186,7 @@ void write_outputs(const ProgramArguments& options, const Context& context, cons
   if (!options.json.empty()) files.add(options.json, json);
   if (!options.delays.empty()) files.add(options.delays, delays_to_csv(result));
   if (!options.figure.empty() && motion) files.add(options.figure, figure);
+  say_on_signals("");
   files.commit();
   for (OutputFile& file : large) file.commit();
   bool stdout_taken = false;
@@ -244,6 +225,7 @@ void run(ProgramArguments& options, Context& context) {
   if (options.tool_length_mm) options.file.tools.length = *options.tool_length_mm * 1e-3;
   if (options.file.time_limit) options.file.deadline = Deadline(*options.file.time_limit);
   if (options.arc_tolerance_um) options.file.arc_tolerance = *options.arc_tolerance_um * 1e-6;
+  say_on_signals("\nstopped: no file is written\n");
   ProgramFile file = read_program_file(options.program, task, options.file, [&](const std::string& line) {
     if (!context.quiet) std::fprintf(stderr, "%s\n", line.c_str());
   });

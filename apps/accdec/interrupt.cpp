@@ -11,17 +11,20 @@ namespace accdec::cli {
 namespace {
 
 std::atomic<bool> interrupted{false};
+void (*before)(int) = SIG_DFL;  // which removes temporaries
 
 extern "C" void ask_to_stop(int) {
   interrupted.store(true);
-  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGINT, before);
 }
 
 }  // namespace
 
-Interrupt::Interrupt() : before_(std::signal(SIGINT, ask_to_stop)) {}
+Interrupt::Interrupt() {
+  before = std::signal(SIGINT, ask_to_stop);
+}
 Interrupt::~Interrupt() {
-  std::signal(SIGINT, before_);
+  std::signal(SIGINT, before);
 }
 const std::atomic<bool>& Interrupt::asked() {
   return interrupted;

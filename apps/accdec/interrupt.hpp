@@ -15,9 +15,6 @@ class Interrupt {
 
   /// Whether there was one: what a search polls.
   static const std::atomic<bool>& asked();
-
- private:
-  void (*before_)(int);
 };
 
 /// While it lives, a signal that ends the program says what is kept of a study or comparison and how it goes on.

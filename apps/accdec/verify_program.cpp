@@ -98,10 +98,13 @@ void not_checked(const std::string& path, const std::string& reason, Context& co
   fmt::print(stderr, "{}: not checked: {}\n", printable(path), printable(reason));
 }
 
-void print_accepted(const ProgramRecord& record, const std::string& shown, bool read,
-                    const std::vector<std::string>& open) {
-  const bool bounds = std::find(open.begin(), open.end(), "bounds") != open.end();
-  fmt::print("accepted: {}{}\n", printable(shown), bounds ? "; bounds were not recomputed" : "");
+void print_accepted(const ProgramRecord& record, const RecordCheck& check, bool read) {
+  const bool bounds = std::find(check.skipped.begin(), check.skipped.end(), "bounds") != check.skipped.end();
+  const bool proved = check.proved_bound > 0.0;
+  fmt::print("accepted: {}{}\n", printable(check.shown), bounds && !proved ? "; bounds were not recomputed" : "");
+  if (proved)
+    fmt::print("bound accepted: multipliers prove that any motion takes {:.6g} s or more; the result says {:.6g} s\n",
+               check.proved_bound, record.result.corner_bound->any_motion);
   if (read) {
     fmt::print("{} read again: the plan passes its points in order, within its feeds and with its tolerances\n",
                printable(record.inputs.program));
@@ -113,7 +116,7 @@ void print_accepted(const ProgramRecord& record, const std::string& shown, bool 
   if (!std::filesystem::is_regular_file(record.inputs.task_path))
     fmt::print("{} is not there: the task is the one in the result\n", printable(record.inputs.task_path));
   fmt::print("not checked, because they say how the plan was found or what others take: {}, inputs.compensate_arcs\n",
-             fmt::join(open, ", "));
+             fmt::join(check.skipped, ", "));
 }
 
 }  // namespace
@@ -152,7 +155,7 @@ void verify_program(const std::string& text, const std::string& path, double lim
   RecordCheck check = check_program_record(text, record, std::move(programmed));
   check.reasons.insert(check.reasons.begin(), reasons.begin(), reasons.end());
   if (!check.reasons.empty()) return refuse(fmt::format("{}", fmt::join(check.reasons, "\n  ")));
-  if (!context.quiet) print_accepted(record, check.shown, read, check.skipped);
+  if (!context.quiet) print_accepted(record, check, read);
 }
 
 }  // namespace accdec::cli

@@ -57,8 +57,7 @@ class Members:
                 yield half[::-1] + half[1 - order % 2:]
 
     def gaussians(self):
-        return self.symmetric("alpha_step", Fraction(1, 10), lambda order: Fraction(6),
-                              lambda order, alpha, x: exponential(-(alpha * x)**2 / 2))
+        return self.symmetric("alpha_step", Fraction(1, 10), lambda _: 6, lambda _, a, x: exponential(-(a * x)**2 / 2))
 
     def sincs(self):
         def tap(order, cutoff, x):
@@ -84,11 +83,10 @@ def plain_delay(problem, kinds, member, j, room):
     def held(delays):
         return next((d for d in delays if d * corner.weight < room and not member.breaks(j, d)), inf)
 
-    corner, taps = problem.corners[j], [i for i, b in enumerate(member.taps.hi) if b]
+    corner, stop = problem.corners[j], len(member.command.lo) - 1
     if kinds & ANY:  # longer ones change nothing
         return held(range(len(member.gone.lo) + len(problem.response.lo)) if corner.delay is None else [corner.delay])
-    apart = taps[-1] - taps[0]
-    ways = [held([0] * ("continuous" in kinds)), held([apart, apart + 1] * ("exact-stop" in kinds))]
+    ways = [held([0] * ("continuous" in kinds)), held([stop, stop + 1] * ("exact-stop" in kinds))]
     return min((d for d in ways if corner.delay in (None, d)), default=inf)
 
 
@@ -120,18 +118,25 @@ def passes_too_late(problem, controller, member, room):
     return True
 
 
+def why(problem, controller, member, room):
+    """What refutes a member, if anything does; more/splits.py names it."""
+    return member.starts_or_stops_break() or member.rings() or passes_too_late(problem, controller, member, room)
+
+
 def refute(problem, task, target):
-    """Numbers of members refuted, by family: all that cost less than the target. None: all there are."""
-    given = sum(c.weight * c.delay for c in problem.corners if c.delay is not None)
-    limits, refuted, end = Limits(problem), Counter(), problem.order_max + 1
+    """Family and reason of each member that costs less than the target. None: of all there are."""
+    limits, end, most = Limits(problem), problem.order_max + 1, inf
     if target is not None:
-        target *= 1 - ROUNDING
-        end = min(end, max(0, ceil((target - given) / problem.filter_cost) - 1))
+        most, given = target * (1 - ROUNDING), sum(c.weight * (c.delay or 0) for c in problem.corners)
+        end = min(end, max(0, ceil((most - given) / problem.filter_cost) - 1))
     for family, taps in Members(problem, task["design"], end):
-        member = Filter(problem, limits, taps)
-        room = inf if target is None else target - problem.filter_cost * len(taps.lo)
-        broken = member.starts_or_stops_break() or member.rings()
-        if not broken and not passes_too_late(problem, task.get("controller", {}), member, room):
-            members.not_refuted(f"a member of the family {family} with {len(taps.lo)} taps is not refuted")
-        refuted[family] += 1
-    return refuted
+        room, member = most - problem.filter_cost * len(taps.lo), Filter(problem, limits, taps)
+        yield family, why(problem, task.get("controller", {}), member, room) or members.not_refuted(
+            f"a member of the family {family} with {len(taps.lo)} taps is not refuted")
+
+
+def compare(claimed, refuted):
+    """The members that a certificate counts, by family and rule, with those refuted, by family and reason."""
+    counts = sum((Counter({family: whole(n, 0)}) for family, _, n in claimed), Counter())
+    seen = sum((Counter({family: n}) for (family, _), n in refuted.items()), Counter())
+    refuse_if(counts != seen, f"the certificate counts the members {dict(counts)}, there are {dict(seen)}")

@@ -11,6 +11,12 @@ sys.dont_write_bytecode = True
 from check_certificate_test import ROOT, design, verdict  # noqa: E402 isort:skip
 
 
+def count_all_as(rule, refuted):
+    """The same members of each family, under one rule."""
+    for entry in refuted:
+        entry[1] = rule
+
+
 class Families(unittest.TestCase):
     def test_accepted_and_forged(self):
         good = json.loads(design(ROOT / "problems/settings/two-averages.toml"))
@@ -30,6 +36,8 @@ class Families(unittest.TestCase):
         refused(lambda r: r.update(family_bound_s=0.043), "below that time")
         refused(lambda r: r["certificate"].update(bound_samples=43), "proves less")
         refused(lambda r: r["certificate"]["refuted"].pop(), "counts")
+        for rule in ("acceleration", "delays", "velocity", "luck"):
+            refused(lambda r, rule=rule: count_all_as(rule, r["certificate"]["refuted"]), "do not refute them")
         refused(lambda r: r.update(lower_bound_s=0.043), "proves less")
         refused(lambda r: r["task"]["corner"][0].update(error_max_um=80), "not refuted")
         refused(lambda r: r["task"]["design"].update(length_step_ms=2), "not those of the settings")

@@ -43,6 +43,7 @@ TEST_F(ModesCommand, TablesOfAPrintersLogArePartOfATask) {
   const std::string found = testing::content(home_ / "modes.toml");
   EXPECT_THAT(found, HasSubstr("# axis x: 41 Hz, damping 0.05"));
   EXPECT_THAT(found, HasSubstr("# axis y: 63 Hz, damping 0.03"));
+  EXPECT_THAT(found, HasSubstr("jolts; the stretches between them were fitted"));
   EXPECT_THAT(testing::content(home_ / "modes.svg"), HasSubstr("vibration of axis x"));
   const std::string task =
       "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 8000\n[[corner]]\nangle_deg = 90\n"

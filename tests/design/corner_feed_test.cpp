@@ -62,7 +62,7 @@ TEST(CornerFeed, IsTheLargestPartThatHoldsTheToleranceByFormula) {
   // N + 2 samples are not the fastest stretch: what is proved says so.
   EXPECT_THAT(settings_answer(result),
               HasSubstr("proved best for this family with corner feeds that last until the motion has settled"));
-  EXPECT_THAT(settings_answer(result), HasSubstr(" Less than 12 samples at the corner feed"));
+  EXPECT_THAT(settings_answer(result), HasSubstr(" has settled. The 12 samples at the corner feed, before and behind"));
   EXPECT_THAT(verify_result(result).proof, HasSubstr("each corner feed lasts until the motion has settled"));
 }
 

@@ -6,6 +6,7 @@
 #include <accdec/design.hpp>
 #include <accdec/result.hpp>
 #include <accdec/task.hpp>
+#include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
 
 // Exact stops of a control: as soon as the filter has ended, or a sample later where a limit asks for that.
@@ -72,11 +73,35 @@ TEST(ExactStop, WaitsLongerOnlyAtCornersThatNeedIt) {
   task.corners.push_back(stops(90, "acceleration_max_mm_s2 = 6000", "").corners[0]);
   task.corners.back().name = "B";
   const DesignResult result = design_task(task);
-  ASSERT_TRUE(result.has_design()) << result.message;
+  ASSERT_EQ(result.status, Status::optimal) << result.message;
   EXPECT_EQ(result.corners[0].delay, 17);
   EXPECT_EQ(result.corners[1].delay, 16);
   EXPECT_NEAR(result.objective(), (17 + 17 + 16) * 1e-3, 1e-12);
   EXPECT_THAT(verify_result(parse_result(result_to_json(result), "result")).reasons, IsEmpty());
+}
+
+/// A control waits until its filter is empty, whatever the taps are. Those of a windowed sinc of 30 end in zeros: the
+/// legs would be apart two samples sooner. Three taps of its own smoothing last two samples.
+TEST(ExactStop, WaitsForZeroTapsAndSmoothing) {
+  const std::string limit = "acceleration_max_mm_s2 = 20000";
+  DesignResult sinc = design_task(stops(90, limit, "family = \"windowed-sinc\"\nlength_set_ms = [30]\n"));
+  ASSERT_EQ(sinc.status, Status::optimal) << sinc.message;
+  ASSERT_EQ(sinc.filter->last_nonzero_tap() - sinc.filter->first_nonzero_tap(), 27);
+  EXPECT_EQ(sinc.corners[0].delay, 29);
+  EXPECT_NEAR(sinc.objective(), (30 + 29) * 1e-3, 1e-12);
+  EXPECT_THAT(verify_result(sinc).reasons, IsEmpty());
+  sinc.corners[0].delay = 27;
+  EXPECT_THAT(verify_result(sinc).reasons, ::testing::Contains(HasSubstr("delay 27 is no exact stop")));
+
+  for (const std::string& family : {average_stages + "1\n", std::string()}) {
+    Task task = stops(90, "acceleration_max_mm_s2 = 6000", family);
+    task.machine.prefilter_taps = {0.25, 0.5, 0.25};
+    const DesignResult smoothed = design_task(task);
+    ASSERT_EQ(smoothed.status, Status::optimal) << smoothed.message;
+    EXPECT_EQ(smoothed.corners[0].delay, smoothed.filter->order() + 2);
+    EXPECT_THAT(verify_result(parse_result(result_to_json(smoothed), "result")).reasons, IsEmpty());
+    EXPECT_THAT(settings_answer(smoothed), HasSubstr("The control's smoothing ends 2 ms after this time."));
+  }
 }
 
 TEST(ExactStop, ThatIsLongerIsRefused) {

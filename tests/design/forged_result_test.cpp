@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <accdec/certificate.hpp>
 #include <accdec/design.hpp>
 #include <accdec/task.hpp>
 #include <accdec/verify.hpp>
@@ -158,6 +159,22 @@ TEST(ForgedResult, ALimitIsMeasuredAtPlacesOfItsKind) {
       EXPECT_THAT(refused([](LimitUse& u) { u.event = Event::start; }), measured);
     }
   }
+}
+
+/// Each member counts under a limit that refutes it: the sum alone is not enough.
+TEST(ForgedResult, MembersOfAFamilyCountUnderWhatRefutesThem) {
+  const auto count_as = [](DesignResult& result, const char* rule, int members) {
+    Certificate other = *result.certificate;
+    auto& refuted = std::get<proof::FamilyEnumeration>(other.proof).refuted;
+    ASSERT_GT(refuted.front().members, members);
+    refuted.front().members -= members;
+    refuted.push_back({refuted.front().family, rule, members});
+    result.certificate = std::make_shared<Certificate>(std::move(other));
+  };
+  const char* const reason = "counts other refuted members";
+  expect_refused(designed("settings/two-averages.toml"),
+                 {{"one under another limit", [&](auto& r) { count_as(r, "velocity", 1); }, reason},
+                  {"many under delays", [&](auto& r) { count_as(r, "delays", 5); }, reason}});
 }
 
 }  // namespace

@@ -33,5 +33,16 @@ TEST(SettingsRefused, NameTheSettingThatIsClosestWithTheDelaysOfTheControl) {
   EXPECT_THAT(verify_result(result).reasons, IsEmpty());
 }
 
+/// A pole of 50 samples leaves 1e-4 of its step behind 460.5 samples. Orders up to 400 have room for 401/9.2103 = 43.5.
+TEST(SettingsRefused, SayHowLongAPoleTheHighestOrderAllows) {
+  const DesignResult result = design_task(
+      parse_task("sample_period_ms = 1\n[design]\nfamily = \"one-pole\"\nstages = 1\nlength_set_ms = [50]\n[[axis]]\n"
+                 "acceleration_max_mm_s2 = 2500\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\n"
+                 "error_max_um = 200\n",
+                 "task"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("`order_max` = 400 has room for a pole of 43 ms at most"));
+}
+
 }  // namespace
 }  // namespace accdec

@@ -150,7 +150,7 @@ TEST(FreeBound, IsNotAboveTheFastestMotionsOfSmallPrograms) {
   for (int i = 0; i < 1; ++i) {  // some thousand linear programs each
     const Machine machine = test::machine_of(1.0, i % 2 == 1 ? 20.0 : unlimited);
     const Legs legs = random_legs(random, 3, 1.2e-3, i % 2 == 0 ? 3e-4 : 1e-4);
-    const double bound = any_motion_bound(test::path_of(legs.program(), machine), machine, T, 60.0).time;
+    const double bound = any_motion_bound(test::path_of(legs.program(), machine), machine, T, Deadline(60.0)).time;
     const double least = SampledMotion(legs, machine.axes[0], T).least_time(static_cast<int>(0.6 * bound / T));
     EXPECT_LE(bound, least) << legs.program();
     // A period (two with a jerk limit) is taken off, and corners must be passed on samples here.
@@ -164,7 +164,7 @@ TEST(FreeBound, OfAnAxisThatGoesBackAndForthIsTheClosedForm) {
   constexpr double way = 1e-3, tolerance = 1e-6;
   Legs legs{{{0.0, 0.0}}, tolerance, 0.1};
   for (int i = 1; i <= 9; ++i) legs.points.push_back({2e-5 * i, i % 2 == 0 ? 0.0 : way});
-  const double bound = any_motion_bound(test::path_of(legs.program(), machine), machine, 1e-6, 60.0).time;
+  const double bound = any_motion_bound(test::path_of(legs.program(), machine), machine, 1e-6, Deadline(60.0)).time;
   EXPECT_NEAR(bound, 9.0 * 2.0 * std::sqrt(way), 2e-3);
   EXPECT_LE(bound, 9.0 * 2.0 * std::sqrt(way) + 1e-9);
 }
@@ -199,7 +199,7 @@ TEST(FreeBound, IsNotAbovePlansThatAreFree) {
     task.machine = test::machine_of(i == 0 ? 3.0 : 1.0, i == 1 ? 50.0 : unlimited);
     const Legs legs = random_legs(random, 4, i < 2 ? 1e-3 : 4e-3, i % 2 == 0 ? 2e-4 : 3e-5);
     const ProgramFile file{"test", test::path_of(legs.program(), task.machine)};
-    const double bound = any_motion_bound(file.path, task.machine, task.sample_period, 60.0, false).time;
+    const double bound = any_motion_bound(file.path, task.machine, task.sample_period, Deadline(60.0), false).time;
     ProgramFileOptions quick;
     quick.free.sweeps = 2;
     const ProgramResult free = run_free_plan(file, task, quick, {});

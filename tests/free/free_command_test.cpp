@@ -74,7 +74,48 @@ TEST_F(FreeCommand, KeepsTheBestMotionAfterAnInterruption) {
                 "timeout --preserve-status -s INT 4"),
             0)
       << read("err");
+  EXPECT_THAT(read("err"), HasSubstr("Ctrl-C ended the search during: "));
   EXPECT_EQ(run("verify r.json"), 0) << read("out");
+}
+
+// Bounds, profiles and windows take longer than any of these times.
+TEST_F(FreeCommand, EndsInEveryPhaseWithAPlanOrWithoutFiles) {
+  std::string program = "G64 P0.1 F6000\n";
+  for (int i = 0; i < 20000; ++i) program += "G1 X" + std::to_string(i % 2 * 15) + " Y" + std::to_string(i % 7) + "\n";
+  write("program.ngc", program + "M2\n");
+  for (const char* seconds : {"0.02", "0.1", "0.4", "1.5"}) {
+    const int code = run("program program.ngc --task task.toml --plan free --threads 1 --json r.json --samples s.csv",
+                         std::string("timeout --preserve-status -s INT ") + seconds);
+    std::vector<std::string> files;
+    for (const auto& file : fs::directory_iterator(folder_)) files.push_back(file.path().filename());
+    if (code == 0) {
+      EXPECT_THAT(read("err"), HasSubstr("Ctrl-C ended the search during: ")) << seconds;
+      EXPECT_THAT(files, testing::UnorderedElementsAre("task.toml", "program.ngc", "out", "err", "r.json", "s.csv"));
+      EXPECT_EQ(run("verify r.json"), 0) << seconds << read("out");
+    } else {
+      EXPECT_THAT(files, testing::UnorderedElementsAre("task.toml", "program.ngc", "out", "err")) << seconds;
+    }
+    fs::remove(folder_ / "r.json"), fs::remove(folder_ / "s.csv");
+  }
+}
+
+TEST_F(FreeCommand, ProvesItsBoundAndVerifyRefusesAChangedProof) {
+  ASSERT_EQ(run("program program.ngc --task task.toml --plan free --json r.json"), 0) << read("err");
+  ASSERT_EQ(run("verify r.json"), 0);
+  EXPECT_THAT(read("out"), HasSubstr("bound accepted: multipliers prove that any motion takes "));
+  const std::string good = read("r.json");
+  const auto refused = [&](const std::string& after, const std::string& put, const std::string& reason) {
+    std::string text = good;
+    const auto proof = text.find("\"any_motion_proof\"");
+    const auto at = text.find(after, proof) + after.size();
+    write("changed.json", text.replace(at, 1, put));
+    EXPECT_NE(run("verify changed.json"), 0) << after;
+    EXPECT_THAT(read("out") + read("err"), HasSubstr(reason)) << after;
+  };
+  refused("{\"time_s\":", "9", "any_motion_proof.time_s is recorded as ");
+  refused("\"first_block\":", "1", "any_motion_proof: the multipliers from block 1 on: ");
+  refused("\"way\":[[", "9", "any_motion_proof.time_s is recorded as ");
+  refused("\"shares\":[", "1", "shares are not from 0 to 1");
 }
 
 TEST_F(FreeCommand, SaysNothingOfCornersOfALegAlone) {

@@ -61,7 +61,7 @@ TEST(FreeMotion, OfOneCornerIsTheOptimumOfALinearProgramme) {
     expect_holds(result, task);
     EXPECT_LE(result.cycle_time, corner.least_time(60, 160) + 2.5 * T) << corner.program();
     const Toolpath path = test::path_of(corner.program(), task.machine);
-    EXPECT_GE(result.cycle_time, any_motion_bound(path, task.machine, T, 60.0).time) << corner.program();
+    EXPECT_GE(result.cycle_time, any_motion_bound(path, task.machine, T, Deadline(60.0)).time) << corner.program();
   }
 }
 
@@ -103,7 +103,7 @@ TEST(FreeMotion, HoldsWheneverItEnds) {
     std::atomic<bool> cancel = last == 0;
     ProgramFileOptions options;
     options.deadline.end_when(cancel);
-    options.free.progress = [&](double, double) { cancel = true; };
+    options.free.progress = [&](const FreeProgress& at) { cancel = cancel || at.share > 0.0; };
     const ProgramResult result = free_plan(zigzag, task, options);
     expect_holds(result, task);
     EXPECT_GE(result.cycle_time, whole);

@@ -114,7 +114,7 @@ TEST(StraightRuns, AreAsFastAsEveryLegByItself) {
     EXPECT_THAT(verify_program_result(result, task).reasons, testing::IsEmpty()) << legs.program;
     EXPECT_LE(result.cycle_time, legs.time * (1.0 + 1e-6) + legs.legs * T) << told << legs.program;
     const Toolpath path = test::path_of(legs.program, task.machine);
-    EXPECT_GE(result.cycle_time, any_motion_bound(path, task.machine, T, 60.0).time) << legs.program;
+    EXPECT_GE(result.cycle_time, any_motion_bound(path, task.machine, T, Deadline(60.0)).time) << legs.program;
   }
 }
 

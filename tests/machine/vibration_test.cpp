@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/velocity_changes.hpp>
 
 #include "support/random_case.hpp"
 
@@ -296,6 +297,42 @@ TEST(ModesOfAxes, TheWorstOfARectangleIsThatOfADenseGrid) {
     }
     EXPECT_GE(use.value, worst * (1.0 - 1e-9));
     EXPECT_LE(use.value, worst * 1.05);
+  }
+}
+
+/// The largest amplitude of a mode behind any of the changes, by a swing from sample to sample.
+double swung(const std::vector<VelocityChange>& changes, double period, double f, double z) {
+  const double w = 2.0 * std::numbers::pi * f, damped = w * std::sqrt(1.0 - z * z), fall = std::exp(-z * w * period);
+  const double c = fall * std::cos(damped * period), s = fall * std::sin(damped * period);
+  double x = 0.0, y = 0.0, most = 0.0;
+  std::int64_t sample = 0;
+  for (const VelocityChange& change : changes) {
+    for (; sample < change.sample; ++sample) {
+      const double before = x;
+      x = c * x - s * y, y = s * before + c * y;
+    }
+    x += change.by;
+    most = std::max(most, std::hypot(x, y) / damped);
+  }
+  return most;
+}
+
+// 2000 moves that overlap, 20 s: what a mode has forgotten does not count, and what is found is the worst.
+TEST(ModesOfAxes, ManyChangesTogetherAreThoseOfASwing) {
+  Random random(11);
+  constexpr double period = 1e-3;
+  for (const auto& [low, high] : {std::pair{0.0, 0.0}, std::pair{0.02, 0.02}, std::pair{0.01, 0.08}}) {
+    std::vector<VelocityChange> changes;
+    for (std::int64_t at = 0; at < 20'000; at += static_cast<std::int64_t>(uniform(random, 1, 20)))
+      changes.push_back({at, uniform(random, -0.01, 0.01), true});
+    const Filter none({1.0});
+    const Mode mode{38.0, 40.0, 1.0, low, high, 0, 1e-5};
+    const LimitUse use = residual_utilisation(none, changes, period, mode);
+    EXPECT_NEAR(use.value, swung(changes, period, use.frequency, use.damping), 1e-9 * use.value);
+    for (int i = 0; i < 300; ++i) {
+      const double f = uniform(random, 38.0, 40.0), z = uniform(random, low, high);
+      EXPECT_LE(swung(changes, period, f, z), use.value * (1.0 + 1e-9)) << f << " Hz, " << z;
+    }
   }
 }
 

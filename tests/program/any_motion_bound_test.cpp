@@ -22,7 +22,7 @@ using test::FreeCorner;
 using test::machine_of;
 
 double bound_of(const std::string& program, const Machine& m, double period) {
-  return any_motion_bound(test::path_of(program, m), m, period, 60.0).time;
+  return any_motion_bound(test::path_of(program, m), m, period, Deadline(60.0)).time;
 }
 
 TEST(AnyMotionBound, IsNotAboveTheFastestFreeMotionAndCloseToIt) {
@@ -51,7 +51,7 @@ TEST(AnyMotionBound, LiesBelowFreeMotionsThatMonotoneLegsDoNotReach) {
     const double bound = bound_of(program(tolerance), m, 1e-3);
     EXPECT_LE(bound, free) << tolerance;
     EXPECT_GE(bound, 0.985 * free) << tolerance;
-    EXPECT_GT(program_corner_bound(test::path_of(program(tolerance), m), m, 1e-3, 60.0).time, free);
+    EXPECT_GT(program_corner_bound(test::path_of(program(tolerance), m), m, 1e-3, Deadline(60.0)).time, free);
   };
   check("0.5", unlimited, 1.129);
   check("0.05", unlimited, 1.176);
@@ -77,8 +77,8 @@ TEST(Bounds, FindTheAxesOfTheProgramByTheirNames) {
   m.axes[0].acceleration_max = 1000.0;  // of y
   constexpr double T = 1e-6, closed = 0.6;
   const Toolpath path = test::path_of("G61.1 F6000\nG1 X50\nM2\n", m);
-  const double points = program_lower_bound(path, m, T), any_motion = any_motion_bound(path, m, T, 60.0).time,
-               corners = program_corner_bound(path, m, T, 60.0).time;
+  const double points = program_lower_bound(path, m, T), any_motion = any_motion_bound(path, m, T, Deadline(60.0)).time,
+               corners = program_corner_bound(path, m, T, Deadline(60.0)).time;
   for (const double bound : {points, any_motion, corners}) {
     EXPECT_NEAR(bound, closed, 2e-3);
     EXPECT_LE(bound, closed);
@@ -90,7 +90,8 @@ TEST(Bounds, FindTheAxesOfTheProgramByTheirNames) {
 TEST(AnyMotionBound, SaysWhetherItWasFinished) {
   const Machine m = machine_of(1.0, 50.0);
   const Toolpath path = test::path_of("G64 P0.05 F6000\nG1 X50\nG1 Y50\nM2\n", m);
-  const AnyMotionBound finished = any_motion_bound(path, m, 1e-3, 60.0), cut = any_motion_bound(path, m, 1e-3, 0.0);
+  const AnyMotionBound finished = any_motion_bound(path, m, 1e-3, Deadline(60.0)),
+                       cut = any_motion_bound(path, m, 1e-3, Deadline(0.0));
   EXPECT_TRUE(finished.complete);
   EXPECT_FALSE(cut.complete);
   EXPECT_LT(cut.time, finished.time);
@@ -107,12 +108,27 @@ TEST(Bounds, OfMoreLimitsAndStricterPathsAreNotLower) {
   for (const double jerk : {20.0, 50.0, 1e4}) {
     const Machine bounded = machine_of(1.0, jerk);
     const Toolpath path = test::path_of("G64 P0.5 " + zigzag, free);
-    EXPECT_GE(any_motion_bound(path, bounded, period, 60.0, false).time,
-              any_motion_bound(path, free, period, 60.0, false).time);
-    EXPECT_GE(program_corner_bound(path, bounded, period, 60.0).time,
-              program_corner_bound(path, free, period, 60.0).time);
+    EXPECT_GE(any_motion_bound(path, bounded, period, Deadline(60.0), false).time,
+              any_motion_bound(path, free, period, Deadline(60.0), false).time);
+    EXPECT_GE(program_corner_bound(path, bounded, period, Deadline(60.0)).time,
+              program_corner_bound(path, free, period, Deadline(60.0)).time);
     EXPECT_GE(bound_of("G61.1 " + zigzag, bounded, period), bound_of("G61 " + zigzag, bounded, period));
   }
+}
+
+// Long legs gain by their jerk limit, fine chords by leaving it out.
+TEST(AnyMotionBound, TakesTheLargerBoundSectionBySection) {
+  const Machine bounded = machine_of(1.0, 50.0), free = machine_of(1.0);
+  std::string legs = "G1 X30\nG1 Y30\n", chords;
+  for (int i = 1; i <= 60; ++i) chords += fmt::format("G1 X{:.4f} Y{:.4f}\n", 30 + 0.3 * i, i % 2 == 0 ? 30.0 : 30.05);
+  const std::string head = "G64 P0.05 F6000\n", stop = "G4 P0.1\n";
+  const auto bound = [&](const std::string& text, const Machine& m) { return bound_of(head + text + "M2\n", m, 1e-3); };
+  const std::string there = "G0 X30 Y30\n" + stop;
+  const double both = bound(legs + stop + chords, bounded);
+  // The way there, its dwell and two sections of two periods each are counted apart.
+  const double apart = bound(legs, bounded) + bound(there + chords, bounded) - bound(there, bounded) + 0.1;
+  EXPECT_GE(both, apart - 4e-3);
+  EXPECT_GE(both, bound(legs + stop + chords, free) - 1e-9);
 }
 
 TEST(AnyMotionBound, IsNotAbovePlansOfRandomPrograms) {
@@ -130,7 +146,7 @@ TEST(AnyMotionBound, IsNotAbovePlansOfRandomPrograms) {
       if (unit(random) < 0.05) text += "G4 P0.1\n";
     }
     const Toolpath path = test::path_of(text + "M2\n", m);
-    const double bound = any_motion_bound(path, m, 1e-3, 5.0).time;
+    const double bound = any_motion_bound(path, m, 1e-3, Deadline(5.0)).time;
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     ASSERT_TRUE(plan.holds()) << text;
     const double time = static_cast<double>(plan.check.samples) * 1e-3;

@@ -55,7 +55,7 @@ TEST(CornerBound, IsNotAbovePlansOfLongLegs) {
     const Machine m = machine_of(1.0, jerk);
     const Toolpath path =
         test::path_of(corner(360.0 * unit(random), 5.0 + 170.0 * unit(random), 0.01 + 0.2 * unit(random)), m);
-    const CornerBound bound = program_corner_bound(path, m, 1e-3, 60.0);
+    const CornerBound bound = program_corner_bound(path, m, 1e-3, Deadline(60.0));
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     ASSERT_TRUE(plan.holds());
     EXPECT_EQ(bound.counted, 1U);
@@ -69,7 +69,7 @@ TEST(CornerBound, AlikeCornersAreSolvedOnce) {
   std::string text = "G91 G64 P0.05 F6000\n";
   for (int i = 0; i < 20; ++i) text += "G1 X20\nG1 Y20\n";
   const Machine m = machine_of(1.0);
-  const CornerBound bound = program_corner_bound(test::path_of(text + "M2\n", m), m, 1e-3, 60.0);
+  const CornerBound bound = program_corner_bound(test::path_of(text + "M2\n", m), m, 1e-3, Deadline(60.0));
   EXPECT_EQ(bound.corners, 39U);
   EXPECT_EQ(bound.counted, 39U);
   EXPECT_LE(bound.classes, 8U);  // two classes, at some of their speeds
@@ -83,7 +83,7 @@ TEST(CornerBound, OfExactStopsIsTheClosedForm) {
   const Machine smooth = machine_of(1.0), jerky = machine_of(1.0, 50.0);
   const auto time = [&](const std::string& text, const Machine& m) {
     const Toolpath path = test::path_of("G61.1 F6000\n" + text + "M2\n", m);
-    return program_corner_bound(path, program_machine(m, path), T, 60.0).time;
+    return program_corner_bound(path, program_machine(m, path), T, Deadline(60.0)).time;
   };
   EXPECT_NEAR(time("G1 X50\n", smooth), 0.5 + 0.1, 2.0 * T);
   EXPECT_NEAR(time("G1 X4\nG1 Y2.5\n", smooth), 2.0 * std::sqrt(0.004) + 2.0 * std::sqrt(0.0025), 3.0 * T);
@@ -125,7 +125,7 @@ TEST(CornerBound, IsNotAbovePlansOfRandomPrograms) {
       if (unit(random) < 0.05) text += "G4 P0.1\n";
     }
     const Toolpath path = test::path_of(text + "M2\n", m);
-    const CornerBound bound = program_corner_bound(path, m, 1e-3, 60.0);
+    const CornerBound bound = program_corner_bound(path, m, 1e-3, Deadline(60.0));
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     ASSERT_TRUE(plan.holds()) << text;
     const double time = static_cast<double>(plan.check.samples) * 1e-3;
@@ -141,7 +141,7 @@ TEST(CornerBound, CornersOfLegsThatCuttingWouldUseUpDoNotCount) {
   // A parabola takes 4 e/sqrt(2) = 2.8 mm of each leg at 1 mm.
   const Machine m = machine_of(1.0);
   const Toolpath path = test::path_of("G64 P1 F6000\nG1 X3\nG1 Y3\nM2\n", m);
-  const CornerBound bound = program_corner_bound(path, m, 1e-3, 60.0);
+  const CornerBound bound = program_corner_bound(path, m, 1e-3, Deadline(60.0));
   EXPECT_EQ(bound.counted, 0U);
   EXPECT_LE(bound.time, 2.0 * std::sqrt(0.006));  // as if it went straight on
   EXPECT_GE(bound.time, 0.06);                    // way over feed

@@ -117,6 +117,23 @@ TEST(ProgramSettings, TunedCurvesAreNoSlowerThanUntunedOnesWithTheDelaysOfAWidth
   EXPECT_GE(held, 1);
 }
 
+/// Free taps are compared as a task without a control plans them: at programmed feeds or chosen ones, with the filter
+/// that suits each.
+TEST(ProgramSettings, FreeTapsAreNoSlowerThanWithoutAControl) {
+  Task task = test::averages_task(1, {});
+  for (Axis& axis : task.machine.axes) axis.jerk_max = 500.0;
+  const TemporaryFolder folder;
+  const std::string program = folder.write("part.ngc",
+                                           "G21 G90 G64 P0.05\nG1 X40 F6000\nX13.5145 Y6.5083\nX24.9396 Y31.2733\n"
+                                           "X3.3378 Y14.6239\nX-8.9008 Y38.9971\nM2\n");
+  const ProgramResult set = run_fixed_plan(read_program_file(program, task, {}, {}), task, {}, {});
+  task.settings.reset();
+  const ProgramResult free = run_fixed_plan(read_program_file(program, task, {}, {}), task, {}, {});
+  ASSERT_TRUE(set.settings && set.settings->free_taps && free.verification.feasible);
+  EXPECT_LE(*set.settings->free_taps, free.cycle_time * (1.0 + 1e-9));
+  EXPECT_LE(*set.settings->free_taps, set.cycle_time);
+}
+
 /// With no time at all there still is an answer, after a few plans.
 TEST(ProgramSettings, ASearchWithoutTimeAnswersWithAGuess) {
   Task task = test::averages_task(2, {DelayKind::continuous, DelayKind::in_position, DelayKind::exact_stop});

@@ -53,6 +53,17 @@ TEST(SettingsWithoutTime, AControlOfCornerFeedsGetsOneThatHolds) {
   EXPECT_LT(result.cycle_time, 1.2 * 62.4);
 }
 
+/// A rapid move is as fast as the filter lets it be, and asks for no longer filter.
+TEST(SettingsWithoutTime, ARapidMoveChangesNothing) {
+  const Task task = star_task({DelayKind::corner_feed});
+  Toolpath path = star(task);
+  path.rapid[0] = 1;
+  path.duration[0] /= 5.0;
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Deadline(0.0), {});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(make_filter(found->chosen.filter).order() + 2, 17 + 12);
+}
+
 TEST(SettingsWithoutTime, TheAnswerSaysHowManyWerePlanned) {
   ProgramResult result;
   result.cycle_time = 65.0;

@@ -188,7 +188,7 @@ TEST(WeightBound, IsNotAbovePlansOfRandomZigzags) {
     const ProfilePlan plan = plan_profiles(path, m, 1e-3);
     ASSERT_TRUE(plan.holds()) << zigzag;
     const double time = static_cast<double>(plan.check.samples) * 1e-3;
-    const double bound = any_motion_bound(path, m, 1e-3, 60.0).time;
+    const double bound = any_motion_bound(path, m, 1e-3, Deadline(60.0)).time;
     EXPECT_LE(bound, time * (1.0 + 1e-8)) << zigzag;
     closest = std::max(closest, bound / time);
   }

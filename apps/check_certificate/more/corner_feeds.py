@@ -53,9 +53,9 @@ def least_cost(problem, ways, least):
         taps = max(order, problem.order_min) + 1
         if taps > problem.order_max + 1:
             continue
-        cost = problem.filter_cost * taps
+        cost, stop = problem.filter_cost * taps, taps + len(problem.smoothing.lo) - 2
         for corner, way in zip(problem.corners, chosen):
-            cost += corner.weight * (2 * (taps + 1 + longer) * (1 - ways[way]) if way else order)
+            cost += corner.weight * (2 * (taps + 1 + longer) * (1 - ways[way]) if way else stop)
         best = cost if best is None else min(best, cost)
     return best
 

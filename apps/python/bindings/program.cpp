@@ -57,7 +57,9 @@ Pointer plan(const std::string& file, const std::shared_ptr<Task>& task, const P
         asked.deadline.end_when(work.cancelled);
         asked.plan = plan_kind(how);
         asked.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-        asked.free.progress = [&work](double gained, double) { work.tell(fmt::format("{:.3f} s gained", gained)); };
+        asked.free.progress = [&work](const FreeProgress& at) {
+          work.tell(fmt::format("{}, {:.3f} s gained", at.stage, at.gained));
+        };
         ProgramFile read = read_program_file(file, *task, asked, teller(work));
         Toolpath programmed = read.path;
         std::vector<ControlEstimate> estimated =

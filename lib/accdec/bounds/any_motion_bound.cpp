@@ -1,8 +1,9 @@
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include <accdec/bounds/any_motion_bound.hpp>
@@ -21,12 +22,12 @@ namespace {
 
 /// What may be spent.
 struct Effort {
-  double kernels;              // steps, some 3 ns each
-  double weights;              // products, some 1 ns each
-  std::size_t programs = 600;  // linear ones, some 5 ms each
+  double kernels;  // steps, some 3 ns each
+  double weights;  // products, some 1 ns each
 };
 constexpr Effort of_seconds{2.5e8, 2e10}, of_a_second{2.5e7, 3e8};
-constexpr double cell_ratio = 1.05;  // of one length of windows to the next
+constexpr std::size_t programs_max = 600;  // linear ones of a machine, some 5 ms each
+constexpr double cell_ratio = 1.05;        // of one length of windows to the next
 constexpr int widenings_max = 24;
 
 /// Blocks that go straight on at one feed.
@@ -34,7 +35,7 @@ struct Leg {
   TubeLeg tube;
   double way = 0.0;                          // s at its pace
   double tolerance = 0.0;                    // m, of the joint at its end
-  double reach = 0.0;                        // s after which a window shows no more
+  std::array<double, 2> reach{};             // s after which a window shows no more, by machines_
   double least = 0.0;                        // s that it takes at least
   std::size_t last_block = 0;                // of the program
   double first_loss = 0.0, last_loss = 0.0;  // s at its ends, each by itself
@@ -49,15 +50,25 @@ bool same(const TubeLeg& a, const TubeLeg& b) {
   return difference <= 1e-9 * length && (a.feed < unlimited) == (b.feed < unlimited);
 }
 
+TubeLoss larger(const TubeLoss& a, const TubeLoss& b) {
+  return {std::max(a.both, b.both), std::max(a.in, b.in), std::max(a.out, b.out)};
+}
+
+/// From stop to stop.
+struct Section {
+  double time = 0.0;        // s, its bound
+  double by_weights = 0.0;  // s, that of `proof`
+  std::optional<MotionProof> proof{};
+};
+
 /// The work that may still be done.
 struct WorkLeft {
   Effort effort;
-  double time_limit = 0.0;  // s
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  Deadline deadline;
   bool complete = true;
   /// Whether work that is wanted may be done, where its number allows it.
   bool more(bool number) {
-    const bool left = number && seconds_since(start) < time_limit;
+    const bool left = number && !deadline.over();
     complete = complete && left;
     return left;
   }
@@ -65,28 +76,32 @@ struct WorkLeft {
 
 class MotionBound {
  public:
-  MotionBound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit, bool thorough)
+  MotionBound(const Toolpath& path, const Machine& machine, double sample_period)
       : path_(path),
-        machine_(machine),
-        work_{.effort = thorough ? of_seconds : of_a_second, .time_limit = time_limit},
+        machines_{machine},
         slack_(spline_slack(machine, sample_period)),
         swing_times_(machine, path.dimensions()) {
     slack_.wider += path.narrowed;
+    if (limits_jerk(machine)) machines_.push_back(without_jerk_limits(machine));
+    programs_left_ = programs_max * machines_.size();
     make_tube();
   }
 
-  double bound() {
-    double time = path_.dwells();
-    if (!(slack_.wider < unlimited)) return 0.0;
-    for (std::size_t first = 0; first < path_.blocks();) {
+  /// Raises the bounds of the sections to what is found here. Linear programs are solved once, whatever the effort.
+  /// @returns whether all that was wanted was done
+  bool raise(std::vector<Section>& sections, const Effort& effort, const Deadline& deadline) {
+    work_ = {effort, deadline};
+    if (!(slack_.wider < unlimited)) return true;
+    std::size_t i = 0;
+    for (std::size_t first = 0; first < path_.blocks(); ++i) {
       std::size_t last = first;
       while (path_.joint[last] != Joint::stop) ++last;
-      time += std::max(0.0, section(first, last) - slack_.saved);
+      if (sections.size() == i) sections.emplace_back();
+      raise(sections[i], first, last);
       first = last + 1;
     }
-    return time;
+    return work_.complete;
   }
-  bool complete() const { return work_.complete; }
 
  private:
   using Key = std::vector<std::int64_t>;
@@ -117,8 +132,8 @@ class MotionBound {
       const double way = p[path_.dimensions() + a] - p[a];
       length = std::hypot(length, way);
       leg.tube.direction[a] = way;
-      if (std::abs(way) / machine_.axes[a].velocity_max > most) {
-        most = std::abs(way) / machine_.axes[a].velocity_max;
+      if (std::abs(way) / machines_[0].axes[a].velocity_max > most) {
+        most = std::abs(way) / machines_[0].axes[a].velocity_max;
         slowest = a;
       }
     }
@@ -126,20 +141,23 @@ class MotionBound {
     for (std::size_t a = 0; a < path_.dimensions(); ++a) {
       const double u = leg.tube.direction[a] /= length;
       if (u == 0.0) continue;
-      acceleration = std::min(acceleration, acceleration_most(machine_.axes[a]) / std::abs(u));
-      jerk = std::min(jerk, machine_.axes[a].jerk_max / std::abs(u));
+      acceleration = std::min(acceleration, acceleration_most(machines_[0].axes[a]) / std::abs(u));
+      jerk = std::min(jerk, machines_[0].axes[a].jerk_max / std::abs(u));
     }
     const double feed = length / path_.duration[b];
     if (most >= path_.duration[b] * (1.0 - 1e-9)) {  // as fast as an axis goes
-      leg.tube.pace[slowest] = std::copysign(1.0 / machine_.axes[slowest].velocity_max, leg.tube.direction[slowest]);
+      leg.tube.pace[slowest] =
+          std::copysign(1.0 / machines_[0].axes[slowest].velocity_max, leg.tube.direction[slowest]);
     } else {
       leg.tube.feed = feed;
       for (std::size_t a = 0; a < path_.dimensions(); ++a) leg.tube.pace[a] = leg.tube.direction[a] / feed;
     }
     leg.tube.radius = radius_[b];
     leg.way = path_.duration[b];
-    leg.reach =
-        acceleration < unlimited ? 1.2 * (feed / acceleration + (jerk < unlimited ? acceleration / jerk : 0.0)) : 0.0;
+    if (acceleration < unlimited) {
+      const double ramp = feed / acceleration, rounding = jerk < unlimited ? acceleration / jerk : 0.0;
+      leg.reach = {1.2 * (ramp + rounding), 1.2 * ramp};
+    }
     leg.tolerance = path_.joint[b] == Joint::stop ? 0.0 : path_.tolerance[b] + slack_.wider;
     leg.last_block = b;
     return leg;
@@ -156,12 +174,13 @@ class MotionBound {
       }
       Leg& whole = legs_.back();
       whole.way += leg.way;
+      whole.last_block = leg.last_block;
       whole.tube.radius = std::max(whole.tube.radius, leg.tube.radius);
       whole.tolerance = leg.tolerance;
     }
   }
 
-  double section(std::size_t first, std::size_t last) {
+  void raise(Section& of, std::size_t first, std::size_t last) {
     make_legs(first, last);
     // Room for the rounding of directions, and for feeds of blocks that were merged.
     constexpr double rounding = 1.0 - 1e-8;
@@ -175,102 +194,121 @@ class MotionBound {
       if (!(best < unlimited) || (i > 0 && !better)) break;
       // Windows that show all there is need no second look.
       const bool wide = std::all_of(legs_.begin(), legs_.end(),
-                                    [](const Leg& leg) { return 0.5 * leg.least >= cell_ratio * leg.reach; });
+                                    [](const Leg& leg) { return 0.5 * leg.least >= cell_ratio * leg.reach[0]; });
       if (i > 0 && wide) break;
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
-    best = std::max(best, window_bound(path_, machine_, slack_.wider, first, last, &swing_times_));
+    best = std::max(best, window_bound(path_, machines_[0], slack_.wider, first, last, &swing_times_));
     const auto time_left = [this] { return work_.more(true); };
-    best = std::max(best, kernel_bound(path_, machine_, slack_.wider, first, last, work_.effort.kernels, time_left));
+    best =
+        std::max(best, kernel_bound(path_, machines_[0], slack_.wider, first, last, work_.effort.kernels, time_left));
     std::vector<WeightLeg> legs;
-    for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance});
+    for (const Leg& leg : legs_) legs.push_back({leg.tube, leg.way, leg.tolerance, leg.last_block});
     // The next sections have what this one leaves of its share.
     const auto blocks = static_cast<double>(last - first + 1),
                blocks_left = static_cast<double>(path_.blocks() - first);
     double share = work_.effort.weights * blocks / blocks_left;
     work_.effort.weights -= share;
-    best = std::max(best, weight_bound(legs, machine_, path_.dimensions(), best, share, time_left));
+    MotionProof proof;
+    proof.first = first;
+    const double by_weights = weight_bound(legs, machines_[0], path_.dimensions(), best, share, time_left, &proof);
     work_.effort.weights += share;
-    return rounding * best;
+    if (by_weights > of.by_weights) of.by_weights = by_weights, of.proof = std::move(proof);
+    best = std::max(best, by_weights);
+    of.time = std::max(of.time, rounding * best - slack_.saved);
   }
 
   /// The loss of all ends and corners, windows by what legs take at least; windows of no length at first.
   double lost(bool nothing) {
     double sum = 0.0;
-    const auto cell = [&](const Leg& leg) { return nothing ? none : cell_of(leg); };
+    if (nothing) {
+      for (Leg& leg : legs_) leg.least = 0.0;
+    }
     for (std::size_t i = 0; i < legs_.size(); ++i) {
       Leg& leg = legs_[i];
-      if (i == 0) sum += leg.first_loss = rest(leg, cell(leg));
+      if (i == 0) sum += leg.first_loss = rest(leg);
       if (i + 1 == legs_.size()) {
-        sum += leg.last_loss = rest(leg, cell(leg));
+        sum += leg.last_loss = rest(leg);
       } else {
-        const TubeLoss& loss = corner(leg, cell(leg), legs_[i + 1], cell(legs_[i + 1]));
+        const TubeLoss loss = corner(leg, legs_[i + 1]);
         leg.last_loss = loss.in;
         legs_[i + 1].first_loss = loss.out;
         sum += loss.both;
       }
-      if (nothing) leg.least = 0.0;
     }
     return sum;
   }
 
   /// A window of half the leg's time, at most its reach, is shortened to reach/ratio^cell.
   static constexpr int none = 1000;
-  static int cell_of(const Leg& leg) {
+  static int cell_of(const Leg& leg, std::size_t m) {
     const double half = 0.5 * leg.least;
-    if (!(half > 0.0) || !(leg.reach > 0.0)) return none;
-    const double cell = std::ceil(std::log(leg.reach / half) / std::log(cell_ratio) - 1e-9);
+    if (!(half > 0.0) || !(leg.reach[m] > 0.0)) return none;
+    const double cell = std::ceil(std::log(leg.reach[m] / half) / std::log(cell_ratio) - 1e-9);
     return cell > 60.0 ? none : std::max(0, static_cast<int>(cell));
   }
-  static double window_of(const Leg& leg, int cell) {
-    return cell == none ? 0.0 : leg.reach * std::pow(cell_ratio, -cell) * (1.0 - 1e-12);
+  static double window_of(const Leg& leg, std::size_t m, int cell) {
+    return leg.reach[m] * std::pow(cell_ratio, -cell) * (1.0 - 1e-12);
   }
   /// Whether that many linear programs may be solved.
   bool more(std::size_t programs) {
-    const bool left = work_.more(work_.effort.programs >= programs);
-    if (left) work_.effort.programs -= programs;
+    const bool left = work_.more(programs_left_ >= programs);
+    if (left) programs_left_ -= programs;
     return left;
   }
 
-  static void append(const TubeLeg& leg, double reach, int cell, Key& key) {
-    for (const double value : leg.direction) key.push_back(std::llround(value * 1e9));
-    for (const double value : leg.pace) key.push_back(std::llround(value * 1e9));
-    key.push_back(leg.feed < unlimited ? std::llround(leg.feed * 1e9) : -1);
-    key.push_back(leg.radius < unlimited ? std::llround(leg.radius * 1e12) : -1);
-    key.push_back(std::llround(reach * 1e9));
+  static void append(const Leg& leg, std::size_t m, int cell, Key& key) {
+    for (const double value : leg.tube.direction) key.push_back(std::llround(value * 1e9));
+    for (const double value : leg.tube.pace) key.push_back(std::llround(value * 1e9));
+    key.push_back(leg.tube.feed < unlimited ? std::llround(leg.tube.feed * 1e9) : -1);
+    key.push_back(leg.tube.radius < unlimited ? std::llround(leg.tube.radius * 1e12) : -1);
+    key.push_back(std::llround(leg.reach[m] * 1e9));
     key.push_back(cell);
   }
 
-  double rest(const Leg& leg, int cell) {
-    if (cell == none) return 0.0;
-    Key key;
-    append(leg.tube, leg.reach, cell, key);
-    const auto [entry, is_new] = rests_.try_emplace(std::move(key), 0.0);
-    if (is_new && more(1)) {
-      entry->second = rest_loss(leg.tube, window_of(leg, cell), machine_, path_.dimensions()).both;
-    }
-    return entry->second;
+  // A motion keeps the limits of all machines. So the largest loss of their windows counts, each as long as it needs.
+  double rest(const Leg& leg) {
+    double loss = 0.0;
+    for (std::size_t m = 0; m < machines_.size(); ++m) loss = std::max(loss, rest(leg, m));
+    return loss;
+  }
+  TubeLoss corner(const Leg& in, const Leg& out) {
+    TubeLoss loss = corner(in, out, 0);
+    for (std::size_t m = 1; m < machines_.size(); ++m) loss = larger(loss, corner(in, out, m));
+    return loss;
   }
 
-  TubeLoss corner(const Leg& in, int cell_in, const Leg& out, int cell_out) {
+  double rest(const Leg& leg, std::size_t m) {
+    const int cell = cell_of(leg, m);
+    if (cell == none) return 0.0;
+    Key key{static_cast<std::int64_t>(m)};
+    append(leg, m, cell, key);
+    const auto known = rests_.find(key);
+    if (known != rests_.end()) return known->second;
+    if (!more(1)) return 0.0;
+    return rests_[std::move(key)] = rest_loss(leg.tube, window_of(leg, m, cell), machines_[m], path_.dimensions()).both;
+  }
+
+  TubeLoss corner(const Leg& in, const Leg& out, std::size_t m) {
+    const int cell_in = cell_of(in, m), cell_out = cell_of(out, m);
     TubeWindow window{&in.tube, &out.tube, in.tolerance, 0.0, 0.0};
-    if (cell_in == none || cell_out == none) return tube_loss(window, machine_, path_.dimensions());
-    Key key;
-    append(in.tube, in.reach, cell_in, key);
-    append(out.tube, out.reach, cell_out, key);
+    if (cell_in == none || cell_out == none) return tube_loss(window, machines_[m], path_.dimensions());
+    Key key{static_cast<std::int64_t>(m)};
+    append(in, m, cell_in, key);
+    append(out, m, cell_out, key);
     key.push_back(std::llround(in.tolerance * 1e12));
     const auto known = corners_.find(key);
     if (known != corners_.end()) return known->second;
-    if (more(3)) {
-      window.before = window_of(in, cell_in);
-      window.after = window_of(out, cell_out);
-    }
-    return corners_[std::move(key)] = tube_loss(window, machine_, path_.dimensions());
+    if (!more(3)) return tube_loss(window, machines_[m], path_.dimensions());
+    window.before = window_of(in, m, cell_in);
+    window.after = window_of(out, m, cell_out);
+    return corners_[std::move(key)] = tube_loss(window, machines_[m], path_.dimensions());
   }
 
   const Toolpath& path_;
-  const Machine& machine_;
-  WorkLeft work_;
+  std::vector<Machine> machines_;  // the given one, and the same without its jerk limits
+  WorkLeft work_{};
+  std::size_t programs_left_ = programs_max;
   SplineSlack slack_;
   const SwingTimes swing_times_;
   std::vector<double> radius_;  // m, of every block's tube
@@ -296,25 +334,39 @@ Toolpath without_stops(Toolpath path) {
 }  // namespace
 
 AnyMotionBound any_motion_bound(const Toolpath& path, const Machine& task_machine, double sample_period,
-                                double time_limit, bool thorough) {
-  const Machine machine = program_machine(task_machine, path);
-  const auto start = std::chrono::steady_clock::now();
+                                const Deadline& deadline, bool thorough) {
+  const Machine machine = program_machine(task_machine, path), freer = without_jerk_limits(machine);
   AnyMotionBound bound{program_lower_bound(path, machine, sample_period), true};
-  const auto add = [&](const Toolpath& of_path, const Machine& of_machine, double share, bool effort) {
-    const double left = time_limit - seconds_since(start);
-    MotionBound motions(of_path, of_machine, sample_period, share * left, effort);
-    bound.time = std::max(bound.time, motions.bound());
-    bound.complete = bound.complete && motions.complete();
+  std::vector<Section> sections, passed;  // passed: its stops are passed
+  const auto raise = [&](MotionBound& motions, std::vector<Section>& of, double share, const Effort& effort) {
+    const bool complete = motions.raise(of, effort, deadline.within(share * deadline.left()));
+    bound.complete = bound.complete && complete;
+    double time = path.dwells();
+    for (const Section& section : of) time += section.time;
+    bound.time = std::max(bound.time, time);
   };
   const bool jerk = limits_jerk(machine), stops = rests_inside(path);
+  MotionBound limited(path, machine, sample_period), free(path, freer, sample_period);
   // Those that take a part of a second come first: the time may end the others.
-  add(path, machine, jerk || stops || thorough ? 0.5 : 1.0, false);
-  if (jerk) add(path, without_jerk_limits(machine), stops || thorough ? 0.5 : 1.0, false);
-  if (stops) add(without_stops(path), machine, thorough ? 0.5 : 1.0, false);
+  raise(limited, sections, jerk || stops || thorough ? 0.5 : 1.0, of_a_second);
+  if (jerk) raise(free, sections, stops || thorough ? 0.5 : 1.0, of_a_second);
+  if (stops) {
+    const Toolpath all = without_stops(path);
+    MotionBound past_stops(all, machine, sample_period);
+    raise(past_stops, passed, thorough ? 0.5 : 1.0, of_a_second);
+  }
   if (!thorough) return bound;
   bound.complete = true;
-  add(path, machine, jerk ? 0.5 : 1.0, true);
-  if (jerk) add(path, without_jerk_limits(machine), 1.0, true);
+  raise(limited, sections, jerk ? 0.5 : 1.0, of_seconds);
+  if (jerk) raise(free, sections, 1.0, of_seconds);
+  for (Section& section : sections) {
+    if (!section.proof) continue;
+    // Without jerk limits there are no weights of the jerk: zeros are a choice, too.
+    for (MotionProof::Leg& leg : section.proof->legs) {
+      if (jerk && leg.jerk.empty()) leg.jerk.assign(leg.shares.size(), std::vector<double>(path.dimensions(), 0.0));
+    }
+    bound.proofs.push_back(std::move(*section.proof));
+  }
   return bound;
 }
 

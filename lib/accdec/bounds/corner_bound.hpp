@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <accdec/files.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
@@ -53,9 +54,10 @@ inline constexpr std::size_t corner_programs_max = 400;  ///< linear programs of
 /// The bound is the minimum, over all highest speeds v_i of the legs i, of the sum of L_i/v_i and of the corners' costs
 /// at these speeds. Dwells count fully. In program_corner_bound.cpp. THEORY.md, "Corners of monotone legs", has the
 /// derivation, and "Samples and continuous motion" says what is subtracted for samples. With a jerk limit it is the
-/// larger of the bounds with and without that limit, each in half of the time.
-/// @param machine  its axes are found by their names (program_machine)  @param time_limit  s, for the linear programs
-CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period, double time_limit);
+/// larger of the bounds with and without that limit; the first has half of the time.
+/// @param machine  its axes are found by their names (program_machine)  @param deadline  for the linear programs
+CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period,
+                                 const Deadline& deadline);
 
 /// The largest acceleration of an axis at any speed up to its limit: friction helps to brake. m/s^2
 double acceleration_most(const Axis& axis);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -35,11 +34,7 @@ class ProgramCornerBound {
     make_classes();
   }
 
-  CornerBound bound(double time_limit) {
-    const auto start = std::chrono::steady_clock::now();
-    const auto ended = [&] {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > time_limit;
-    };
+  CornerBound bound(const Deadline& deadline) {
     // Starts with the speeds that the legs would reach from rest to rest.
     for (std::size_t i = 0; i < legs_.size(); ++i) step_[i] = legs_[i].expected_step();
     // The least sum with the present bounds of the corners, until it uses only solved linear programs.
@@ -52,7 +47,7 @@ class ProgramCornerBound {
         const std::size_t s = step_[i], t = step_[i + 1];
         if (s + 1 == bound_steps || t + 1 == bound_steps || (!c.solved.empty() && c.solved[s * bound_steps + t]))
           continue;
-        if (result_.classes == corner_programs_max || ended()) {
+        if (result_.classes == corner_programs_max || deadline.over()) {
           result_.time = least_sum();
           result_.complete = false;
           return result_;
@@ -254,12 +249,13 @@ class ProgramCornerBound {
 }  // namespace
 
 CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, double sample_period,
-                                 double time_limit) {
+                                 const Deadline& deadline) {
   const Machine of_path = program_machine(machine, path);
-  if (!limits_jerk(of_path)) return ProgramCornerBound(path, of_path, sample_period).bound(time_limit);
-  const CornerBound bound = ProgramCornerBound(path, of_path, sample_period).bound(0.5 * time_limit);
+  if (!limits_jerk(of_path)) return ProgramCornerBound(path, of_path, sample_period).bound(deadline);
+  const CornerBound bound =
+      ProgramCornerBound(path, of_path, sample_period).bound(deadline.within(0.5 * deadline.left()));
   const Machine freer = without_jerk_limits(of_path);
-  const CornerBound other = ProgramCornerBound(path, freer, sample_period).bound(0.5 * time_limit);
+  const CornerBound other = ProgramCornerBound(path, freer, sample_period).bound(deadline);
   return other.time > bound.time ? other : bound;
 }
 

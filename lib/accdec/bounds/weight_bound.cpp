@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/weight_bound.hpp>
@@ -30,8 +33,9 @@ SectionLeg joined(const std::vector<SectionLeg>& legs, std::size_t first, std::s
   return whole;
 }
 
-/// Leaves joints out until every leg is so many times as long as the tolerances at its ends; none if that fails.
-std::vector<SectionLeg> long_legs(const std::vector<SectionLeg>& legs) {
+/// Leaves joints out until every leg is so many times as long as the tolerances at its ends.
+/// @returns the first of the legs that become one, for each; none if that fails
+std::vector<std::size_t> long_legs(const std::vector<SectionLeg>& legs) {
   constexpr double times = 4.0;
   std::vector<AxisVector> joints(1);
   for (const SectionLeg& leg : legs) joints.push_back(combined(1.0, joints.back(), 1.0, leg.way));
@@ -45,10 +49,43 @@ std::vector<SectionLeg> long_legs(const std::vector<SectionLeg>& legs) {
   }
   // If the last leg is short, it is joined to those before it.
   while (!begins.empty() && !is_long(begins.back(), legs.size())) begins.pop_back();
-  std::vector<SectionLeg> all;
-  for (std::size_t i = 0; i < begins.size(); ++i)
-    all.push_back(joined(legs, begins[i], i + 1 < begins.size() ? begins[i + 1] : legs.size()));
-  return all;
+  return begins;
+}
+
+/// Six digits: whatever the weights are, they give a bound.
+double rounded(double value, double largest) {
+  const double unit = std::pow(10.0, std::floor(std::log10(largest)) - 6.0);
+  return largest > 0.0 ? std::round(value / unit) * unit : 0.0;
+}
+
+/// Weights as others read them: a value for every axis of the program.
+void write_down(const MotionWeights& w, const std::vector<std::size_t>& moved, std::size_t dimensions,
+                std::vector<MotionProof::Leg>& legs) {
+  std::array<double, 3> largest{};  // of K, M and p
+  const auto each = [&](const auto& visit) {
+    for (std::size_t leg = 0; leg < w.legs(); ++leg) {
+      for (std::size_t k = 0; k <= w.pieces(leg); ++k) {
+        visit(leg, 0, k, w.k(leg, k));
+        if (w.jerk()) visit(leg, 1, k, w.m(leg, k));
+        if (k < w.pieces(leg)) visit(leg, 2, k, w.p(leg, k));
+      }
+    }
+  };
+  each([&](std::size_t, std::size_t kind, std::size_t, std::size_t at) {
+    for (std::size_t a = 0; a < w.axes(); ++a) largest[kind] = std::max(largest[kind], std::abs(w.value[at + a]));
+  });
+  each([&](std::size_t leg, std::size_t kind, std::size_t, std::size_t at) {
+    MotionProof::Leg& to = legs[leg];
+    std::vector<double>& row = (kind == 0   ? to.acceleration
+                                : kind == 1 ? to.jerk
+                                            : to.way)
+                                   .emplace_back(dimensions, 0.0);
+    for (std::size_t a = 0; a < w.axes(); ++a) row[moved[a]] = rounded(w.value[at + a], largest[kind]);
+  });
+  for (std::size_t leg = 0; leg < w.legs(); ++leg) {
+    legs[leg].shares = w.shares(leg);
+    legs[leg].time = rounded(w.value[w.time(leg)], w.value[w.time(leg)]);
+  }
 }
 
 /// Times that are about what is known of all: at full speed, and a part of what they take from rest and to rest.
@@ -78,7 +115,7 @@ void guess_times(WeightedSection& section, double known) {
 }  // namespace
 
 double weight_bound(const std::vector<WeightLeg>& legs, const Machine& machine, std::size_t dimensions, double known,
-                    double& work_left, const std::function<bool()>& more) {
+                    double& work_left, const std::function<bool()>& more, MotionProof* proof) {
   WeightedSection section;
   std::vector<std::size_t> moved;
   for (std::size_t a = 0; a < dimensions; ++a) {
@@ -98,10 +135,24 @@ double weight_bound(const std::vector<WeightLeg>& legs, const Machine& machine, 
     way.tolerance = leg.tolerance;
     way.feed = leg.tube.feed;
   }
-  section.legs = long_legs(section.legs);
-  if (section.legs.empty()) return 0.0;
+  const std::vector<std::size_t> begins = long_legs(section.legs);
+  if (begins.empty()) return 0.0;
+  std::vector<SectionLeg> all;
+  std::vector<MotionProof::Leg> written;
+  for (std::size_t i = 0; i < begins.size(); ++i) {
+    const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : legs.size();
+    all.push_back(joined(section.legs, begins[i], end));
+    written.emplace_back().last = legs[end - 1].last;
+  }
+  section.legs = std::move(all);
   guess_times(section, known);
-  return largest_weighted_time(section, work_left, more);
+  std::optional<MotionWeights> best;
+  const double time = largest_weighted_time(section, work_left, more, &best);
+  if (proof != nullptr && best) {
+    write_down(*best, moved, dimensions, written);
+    proof->legs = std::move(written);
+  }
+  return time;
 }
 
 }  // namespace accdec

@@ -105,7 +105,7 @@ class WeightSearch {
     return steps_usual * (system_.work() + work_of_a_weight * static_cast<double>(w_.value.size()));
   }
 
-  double largest(const std::function<bool()>& more) {
+  double largest(const std::function<bool()>& more, std::optional<MotionWeights>* of) {
     double best = 0.0, smooth = roughest;
     for (int i = 0, better = 0; i < steps_max && (smooth > finest || i < better + 6) && more(); ++i) {
       const double step = advance(smooth);
@@ -113,6 +113,7 @@ class WeightSearch {
       if (step > 0.9) smooth = std::max(finest, finer * smooth);
       const double time = weighted_time(section_, w_);
       if (time > best * (1.0 + 2e-5)) better = i;
+      if (of != nullptr && time > best) *of = w_;
       best = std::max(best, time);
     }
     return best;
@@ -323,7 +324,8 @@ class WeightSearch {
 
 }  // namespace
 
-double largest_weighted_time(const WeightedSection& section, double& work_left, const std::function<bool()>& more) {
+double largest_weighted_time(const WeightedSection& section, double& work_left, const std::function<bool()>& more,
+                             std::optional<MotionWeights>* best) {
   const double legs = static_cast<double>(section.legs.size()), axes = static_cast<double>(section.axes.size());
   for (const double coarse : {0.5, 1.0, 1.5, 2.5, 5.0, 20.0}) {
     if (coarse < 1.0 && (!section.jerk() || section.legs.size() > fine_legs_max)) continue;
@@ -332,7 +334,7 @@ double largest_weighted_time(const WeightedSection& section, double& work_left, 
     WeightSearch search(section, {section.axes.size(), section.jerk(), shares_of(section, coarse)});
     if (search.work() > work_left) continue;
     work_left -= search.work();
-    return search.largest(more);
+    return search.largest(more, best);
   }
   return 0.0;
 }

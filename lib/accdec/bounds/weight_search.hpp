@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include <accdec/bounds/weighted_motion.hpp>
 
@@ -14,7 +15,8 @@ namespace accdec {
 /// (E. Weiszfeld's method), but along v only half as much. Each step's weights give a bound by themselves.
 /// @param work_left  products that may be spent, some 1 ns each: cuts legs into as many pieces as this allows.
 ///                   Lowered by those of the search
-/// @param more  whether there is time left
-double largest_weighted_time(const WeightedSection& section, double& work_left, const std::function<bool()>& more);
+/// @param more  whether there is time left  @param best  receives the weights of that time; may be nullptr
+double largest_weighted_time(const WeightedSection& section, double& work_left, const std::function<bool()>& more,
+                             std::optional<MotionWeights>* best = nullptr);
 
 }  // namespace accdec

@@ -43,6 +43,7 @@ class MotionWeights {
   bool jerk() const { return jerk_; }
   std::size_t legs() const { return shares_.size(); }
   std::size_t pieces(std::size_t leg) const { return shares_[leg].size() - 1; }
+  const std::vector<double>& shares(std::size_t leg) const { return shares_[leg]; }
   double length(std::size_t leg, std::size_t piece) const { return shares_[leg][piece + 1] - shares_[leg][piece]; }
   /// Indices of the first axis' K and M at the beginning of a piece, or the end of the last one.
   std::size_t k(std::size_t leg, std::size_t piece) const {

@@ -87,7 +87,8 @@ class LeastCost {
         ways_(ways),
         parts_(parts),
         least_orders_(least_orders),
-        response_(CheckedResponse(task).longer()) {}
+        response_(CheckedResponse(task).longer()),
+        smoothing_(static_cast<int>(std::max<std::size_t>(1, task.machine.prefilter_taps.size())) - 1) {}
 
   double run() {
     visit(0);
@@ -119,8 +120,8 @@ class LeastCost {
     double sum = 0.0, weights = 0.0;
     for (std::size_t j = 0; j < chosen_.size(); ++j) {
       const double weight = task_.corners[j].weight;
-      // An exact stop lasts as long as the filter without zeros at its ends, which holds the same limits.
-      const double stop = order, slow = 2.0 * (taps + 1 + response_) * (1.0 - ways_.part(chosen_[j]));
+      // An exact stop lasts until filter and smoothing are empty.
+      const double stop = taps - 1 + smoothing_, slow = 2.0 * (taps + 1 + response_) * (1.0 - ways_.part(chosen_[j]));
       sum += weight * (chosen_[j] == 0 ? stop : slow);
       weights += weight;
     }
@@ -131,7 +132,7 @@ class LeastCost {
   const FeedWays& ways_;
   const std::vector<proof::CornerFeedPart>& parts_;
   const std::vector<int>& least_orders_;
-  int response_;
+  int response_, smoothing_;
   std::vector<int> chosen_;
   double least_ = unlimited;
 };

@@ -220,10 +220,10 @@ class Refutation {
   std::vector<int> least_;  ///< of each corner: every shorter delay breaks its error bound
 };
 
-/// Members of each family. Which of several limits refutes one is a matter of the order in which they are looked at.
-std::map<std::string, int> counts(const std::vector<proof::RefutedMembers>& refuted) {
-  std::map<std::string, int> members;
-  for (const proof::RefutedMembers& r : refuted) members[r.family] += r.members;
+/// Members of each family and rule. Rules are looked at in one order, so that each member has one.
+std::map<std::pair<std::string, std::string>, int> counts(const std::vector<proof::RefutedMembers>& refuted) {
+  std::map<std::pair<std::string, std::string>, int> members;
+  for (const proof::RefutedMembers& r : refuted) members[{r.family, r.rule}] += r.members;
   return members;
 }
 

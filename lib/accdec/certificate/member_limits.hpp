@@ -24,6 +24,8 @@ class MemberLimits {
   const std::vector<double>& way_watched() const {
     return granted_.settings->in_position_actual ? motion().way_left : command().way_left;
   }
+  /// Order of the filter behind the control's smoothing.
+  int command_order() const { return command().order(); }
   /// From here on, longer delays change nothing.
   int longest_delay() const { return order_behind_ + 2; }
   /// A limit that a leg breaks which starts from rest or stops.

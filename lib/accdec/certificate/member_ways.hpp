@@ -20,7 +20,6 @@ class Ways {
   Ways(const Task& task, const Task& granted, const FamilyMember& member, const MemberLimits& limits)
       : task_(task),
         granted_(granted),
-        member_(member),
         limits_(limits),
         longest_(limits.longest_delay()),
         parts_(kind(DelayKind::corner_feed) ? corner_feed_multiples(task.settings->corner_feed_step) : 0),
@@ -38,13 +37,7 @@ class Ways {
   int largest_part() const { return at_part + parts_; }  ///< the cheapest of the parts
   double part_of(int way) const { return way > at_part ? (way - at_part) * task_.settings->corner_feed_step : 1.0; }
   double samples_of(int way) const { return way > at_part ? corner_feed_loss(part_of(way), lead_) : way; }
-  /// The least delay at which the legs do not overlap.
-  int apart() const {
-    int first = 0, last = member_.order();
-    while (member_.taps[static_cast<std::size_t>(first)] == 0.0) ++first;
-    while (member_.taps[static_cast<std::size_t>(last)] == 0.0) --last;
-    return last - first;
-  }
+  int apart() const { return limits_.command_order(); }  ///< the delay of an exact stop
 
   bool holds(std::size_t j, int way) {
     State& state = known(j, way);
@@ -74,7 +67,6 @@ class Ways {
 
   const Task& task_;
   const Task& granted_;
-  const FamilyMember& member_;
   const MemberLimits& limits_;
   int longest_, parts_, lead_;
   std::vector<std::vector<State>> known_;  ///< of each corner and way

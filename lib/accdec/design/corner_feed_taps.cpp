@@ -59,6 +59,7 @@ class CornerFeedSearch {
         feed_(corner_feed_multiples(step_) + 1) {
     const Response response(task.machine, task.sample_period);
     if (!response.ideal()) response_ = response.motion(Filter({1.0})).order();
+    smoothing_ = response.prefilter_order();
     const ControllerSettings& control = *task.settings;
     if (control.names(DelayKind::exact_stop)) allowed_.push_back(0);
     for (int way = 1; way < feed_; ++way) allowed_.push_back(way);
@@ -182,12 +183,12 @@ class CornerFeedSearch {
   }
 
   double cost(const std::vector<int>& ways) const {
-    const int least = order_of(ways), order = std::max(least, task_.design.order_min);
+    const int order = std::max(order_of(ways), task_.design.order_min);
     if (order > task_.design.order_max) return unlimited;
     double sum = cost_.filter * (order + 1);
     for (std::size_t j = 0; j < ways.size(); ++j)
-      sum +=
-          cost_.delay[j] * (ways[j] == 0 ? least : corner_feed_loss(part(ways[j]), corner_feed_lead(order, response_)));
+      sum += cost_.delay[j] *
+             (ways[j] == 0 ? order + smoothing_ : corner_feed_loss(part(ways[j]), corner_feed_lead(order, response_)));
     return sum;
   }
 
@@ -227,7 +228,7 @@ class CornerFeedSearch {
   double best_;  ///< cost of the best design known, samples
   LinearCost cost_;
   double step_;
-  int feed_, response_ = 0;
+  int feed_, response_ = 0, smoothing_ = 0;
   std::vector<int> allowed_;  ///< ways, from the slowest
   std::vector<Part> parts_;
 };

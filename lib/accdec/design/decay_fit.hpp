@@ -43,6 +43,7 @@ class DecayFit {
 
   std::size_t samples() const { return samples_; }
   std::size_t stretches() const { return stretches_.size(); }
+  const std::vector<Stretch>& all() const { return stretches_; }
   std::vector<std::vector<double>> in_stretches(const Eigen::VectorXd& all) const;
 
   /// The signal without the vibrations. @param parts  the energy of each vibration's part, if asked for

@@ -13,6 +13,7 @@
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/design_settings.hpp>
 #include <accdec/design/differing_servos.hpp>
+#include <accdec/families/poles.hpp>
 #include <accdec/families/settable_search.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
@@ -84,6 +85,25 @@ std::string closest_break(const Task& task, double seconds, const std::atomic<bo
   const bool closest_of_all = searched && held <= 1.01 * broken;
   return fmt::format("the closest{}, {}, breaks {}", closest_of_all ? "" : " found in the time given",
                      settings_in_words(*closest.chosen), report.worst);
+}
+
+/// The poles that the highest order leaves out; empty if it leaves out none that can be set.
+std::string poles_left_out(const Task& task) {
+  const ControllerSettings& settings = *task.settings;
+  const int order_max = task.design.order_max;
+  if (!settings.names(SettingFamily::one_pole)) return "";
+  int fits = 0;  // samples
+  while (order_of_poles({fits + 1.0}, order_max) <= order_max) ++fits;
+  const double longest = fits * task.sample_period;
+  const auto longer = [&](const SettableStage& stage) {
+    const double cap = stage.length_max > 0.0 ? stage.length_max : unlimited;
+    return (stage.length_set.empty() ? cap : std::ranges::max(stage.length_set)) > longest * (1.0 + 1e-9);
+  };
+  if (std::ranges::none_of(settings.stages, longer)) return "";
+  return fmt::format(
+      "`order_max` = {} has room for a pole of {:.6g} ms at most: longer ones leave more than {:g} % of "
+      "their step",
+      order_max, 1e3 * longest, 1e2 * pole_rest);
 }
 
 /// ", and a delay of 14 ms", or of the shortest to the longest; empty if there is none.
@@ -182,6 +202,7 @@ std::string why_no_setting_holds(const Task& task, double seconds, const std::at
   std::vector<std::string> reasons;
   if (std::string broken = closest_break(task, 0.5 * seconds, cancel); !broken.empty())
     reasons.push_back(std::move(broken));
+  if (std::string poles = poles_left_out(task); !poles.empty()) reasons.push_back(std::move(poles));
   Task lifted = task;
   lifted.settings->delays.clear();
   for (SettableStage& stage : lifted.settings->stages) {

@@ -8,6 +8,15 @@
 
 namespace accdec {
 
+/// By what an axis vibrates in a log. The errors of modes are derived for all but `other`.
+enum class Excitation { jolts, sweep, noise, other };
+
+/// A sweep at a constant rate.
+struct SweepRange {
+  double rate = 0.0;                                 ///< Hz/s; 0: no sweep
+  double frequency_low = 0.0, frequency_high = 0.0;  ///< Hz, between which it shows modes
+};
+
 /// A vibration found in a log.
 struct FoundMode {
   std::string axis;
@@ -19,7 +28,9 @@ struct FoundMode {
   int compared = 0;                              ///< parts that show the mode; 0: nothing tells the spread
   double damping_low = 0.0, damping_high = 0.0;  ///< of the whole log and its parts
   double share = 0.0;                            ///< of the energy of the acceleration, 0 .. 1
-  int jolts = 0;        ///< behind which it was fitted; 0: by the autocorrelation of the whole log
+  Excitation excitation = Excitation::other;
+  SweepRange sweep{};
+  int jolts = 0;        ///< behind which it was fitted
   int overlaps = 0;     ///< of these, before which the last ringing had not died away
   std::string doubt{};  ///< why the mode is uncertain, and what to log instead; empty: it is not
 
@@ -37,11 +48,12 @@ struct FindModesOptions {
 };
 
 /// Finds the modes of every axis, the strongest first. Vibrations that die away behind jolts are fitted between these
-/// (`free_decay`). If noise keeps them up, their spectrum is fitted (`noise_modes`). For others, as in sweeps, the
-/// autocorrelation is a sum of damped vibrations (James, Carne, Lauffer, Modal Analysis 10, 1995). Their frequencies
-/// and damping are the eigenvalues of a shift (ERA: Juang, Pappa, J. Guidance 8, 1985). A frequency counts if most
-/// model orders find it. A weak vibration counts if they also agree on its damping; how they differ is the error.
-/// A mode is in doubt if 2.6 standard errors, which hold 99 of 100, are more than what is promised.
+/// (`free_decay`). A sweep at a constant rate is turned into a jolt first (`sweep_as_jolt`). If noise keeps vibrations
+/// up, their spectrum is fitted (`noise_modes`). For others, the autocorrelation is a sum of damped vibrations (James,
+/// Carne, Lauffer, Modal Analysis 10, 1995). Their frequencies and damping are the eigenvalues of a shift (ERA: Juang,
+/// Pappa, J. Guidance 8, 1985). A frequency counts if most model orders find it. Errors of these are not derived, so
+/// that all of them are in doubt. Any mode is in doubt if 2.6 standard errors, which hold 99 of 100, are more than what
+/// is promised.
 /// @throws std::invalid_argument if the log is too short for the band, or the band is empty
 std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options = {});
 

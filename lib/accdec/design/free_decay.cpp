@@ -10,15 +10,17 @@
 namespace accdec {
 namespace {
 
-constexpr double used_least = 0.5;    // of the energy of the signal
-constexpr double least_fitted = 0.2;  // of the energy of the signal, where not all stretches are fitted
-constexpr double first_half = 0.6;    // of the energy of stretches that die away
-constexpr double least_part = 2e-4;   // of the energy of the stretches
-constexpr double explained = 0.5;     // of the energy of the stretches
-constexpr double by_chance = 1e-3;    // of an axis of a log of noise
-constexpr double still_rings = 0.05;  // of the energy behind the last jolt
-constexpr double colour_most = 4.0;   // variance of what is left near a mode, over that elsewhere
-constexpr double beside = 0.15;       // relative distance of frequencies that one pole may have fitted
+constexpr double used_least = 0.5;        // of the energy of the signal
+constexpr double least_fitted = 0.2;      // of the energy of the signal, where not all stretches are fitted
+constexpr double first_half = 0.6;        // of the energy of stretches that die away
+constexpr double least_part = 2e-4;       // of the energy of the stretches
+constexpr double explained = 0.5;         // of the energy of the stretches
+constexpr double by_chance = 1e-3;        // of an axis of a log of noise
+constexpr double still_rings = 0.05;      // of the energy behind the last jolt
+constexpr double colour_most = 4.0;       // variance of what is left near a mode, over that elsewhere
+constexpr double beside = 0.15;           // relative distance of frequencies that one pole may have fitted
+constexpr int rounds = 4;                 // in which hidden jolts are left out
+constexpr std::size_t windows_least = 8;  // that tell noise from hidden jolts
 constexpr std::size_t periods_first = 8, samples_first = 4'000, samples_most = 16'000;
 
 /// Means of `factor` samples. A sum of damped vibrations stays one.
@@ -164,25 +166,66 @@ std::vector<Stretch> all_jolts(const std::vector<double>& values, double step, s
   return jolts;
 }
 
-}  // namespace
+/// Windows in which more is left than noise would leave in one log of a thousand: a jolt is hidden there.
+std::vector<Stretch> windows_with_jolts(const DecayFit& fit, const std::vector<Decay>& poles, std::size_t window) {
+  const std::vector<std::vector<double>> rests = fit.in_stretches(fit.rest(poles));
+  std::vector<double> energies;
+  for (const std::vector<double>& rest : rests) {
+    for (std::size_t k = 0; k + window <= rest.size(); k += window) energies.push_back(energy_of(rest, k, k + window));
+  }
+  if (energies.size() < windows_least) return {};
+  std::vector<double> sorted = energies;
+  std::ranges::sort(sorted);
+  const double middle = sorted[sorted.size() / 2], range = sorted[3 * sorted.size() / 4] - sorted[sorted.size() / 4];
+  // Chi squared with n degrees of freedom has a middle half of 1.349 sqrt(2 n). Coloured noise has fewer than samples.
+  const double most = static_cast<double>(window), half = range > 0.0 ? std::pow(1.349 * middle / range, 2) : most;
+  const auto degrees = static_cast<int>(std::clamp(half, 1.0, 0.5 * most));
+  const auto hidden = [&](double energy) {
+    const double chance = gamma_tail(degrees, degrees * energy / std::max(middle, 1e-300));
+    return chance * static_cast<double>(energies.size()) < by_chance;
+  };
+  std::vector<Stretch> found;
+  std::size_t next = 0;
+  for (std::size_t s = 0; s < rests.size(); ++s) {
+    const std::size_t begin = fit.all()[s].begin;
+    for (std::size_t k = 0; k + window <= rests[s].size(); k += window)
+      if (hidden(energies[next++])) found.push_back({begin + k, begin + k + window});
+  }
+  return found;
+}
 
-FreeDecay free_decay(std::span<const double> signal, double period, const DecaySearch& search) {
-  const auto factor = static_cast<std::size_t>(std::max(1.0, std::floor(0.2 / (search.frequency_max * period))));
-  const std::vector<double> values = averaged(signal, factor);
-  const double step = period * static_cast<double>(factor);
-  FreeDecay result;
-  const double loud = loudest({&values, 1}, step, search);
-  const auto window = static_cast<std::size_t>(1.0 / (loud * step));
-  if (window < 4 || values.size() < 20 * window) return result;
-  const std::vector<Stretch> jolts = all_jolts(values, step, window, loud, search);
-  std::vector<Stretch> stretches = between(jolts, values.size(), window);
-  const double all = energy_of(values, 0, values.size()) - energy_of(values, pushes(jolts, values.size(), window));
-  if (stretches.empty() || energy_of(values, stretches) < used_least * all) return result;
-  result.jolts = static_cast<int>(jolts.size()), result.overlaps = overlaps_of(stretches, values, window);
-  shorten(stretches, values, window, samples_most, samples_most);
-  if (stretches.empty() || !dies_away(stretches, values, least_fitted * all)) return result;
-  const DecayFit fit(values, stretches, step);
-  const std::vector<Decay> poles = fitted(fit, step, search);
+/// Jolts and more of them as one list; those with no stretch between them become one.
+std::vector<Stretch> merged(std::vector<Stretch> jolts, const std::vector<Stretch>& more, std::size_t window) {
+  jolts.insert(jolts.end(), more.begin(), more.end());
+  std::ranges::sort(jolts, {}, &Stretch::begin);
+  std::vector<Stretch> all;
+  for (const Stretch& jolt : jolts) {
+    if (all.empty() || jolt.begin > all.back().end + 2 * window) all.push_back(jolt);
+    all.back().end = std::max(all.back().end, jolt.end);
+  }
+  return all;
+}
+
+/// Whether a vibration stands out from noise, too, if every stretch begins a period of it later.
+bool goes_on(const DecayFit& fit, const std::vector<double>& values, const std::vector<Decay>& poles, std::size_t pole,
+             double period) {
+  std::vector<Stretch> later = fit.all();
+  for (Stretch& s : later) s.begin += static_cast<std::size_t>(std::ceil(1.0 / (poles[pole].frequency * period)));
+  const std::size_t unknowns = 2 * poles.size() + 1;
+  std::erase_if(later, [&](const Stretch& s) { return s.end < s.begin + 2 * unknowns; });
+  if (later.empty()) return false;
+  const DecayFit rest(values, later, period);
+  std::vector<Decay> others = poles;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(pole));
+  const double least = rest.rest(poles).squaredNorm(), without = rest.rest(others).squaredNorm();
+  const double free = static_cast<double>(rest.samples()) - static_cast<double>(unknowns * rest.stretches());
+  const double gain = (without - least) / (least / std::max(1.0, free));
+  return gamma_tail(static_cast<int>(rest.stretches()), 0.5 * gain) < by_chance;
+}
+
+/// The vibrations that were fitted, as modes.
+FreeDecay judged(FreeDecay result, const DecayFit& fit, const std::vector<double>& values,
+                 const std::vector<Decay>& poles, double step, const DecaySearch& search) {
   const double whole = fit.rest({}).squaredNorm();
   std::vector<double> parts;
   const double left = fit.rest(poles, &parts).squaredNorm();
@@ -193,10 +236,53 @@ FreeDecay free_decay(std::span<const double> signal, double period, const DecayS
     const bool inside = poles[p].frequency >= search.frequency_min && poles[p].frequency <= search.frequency_max;
     if (!inside || poles[p].damping > search.damping_max || parts[p] < least_part * whole) continue;
     if (errors[p].colour > colour_most) return {};
-    result.modes.push_back({poles[p].frequency, poles[p].damping, parts[p], errors[p]});
+    result.modes.push_back(
+        {poles[p].frequency, poles[p].damping, parts[p], errors[p], goes_on(fit, values, poles, p, step)});
   }
   std::ranges::sort(result.modes, std::ranges::greater{}, &DecayMode::energy);
   return result;
+}
+
+}  // namespace
+
+FreeDecay free_decay(std::span<const double> signal, double period, const DecaySearch& search) {
+  const auto factor = static_cast<std::size_t>(std::max(1.0, std::floor(0.2 / (search.frequency_max * period))));
+  const std::vector<double> values = averaged(signal, factor);
+  const double step = period * static_cast<double>(factor);
+  FreeDecay result;
+  const double loud = loudest({&values, 1}, step, search);
+  const auto window = static_cast<std::size_t>(1.0 / (loud * step));
+  if (window < 4 || values.size() < 20 * window) return result;
+  std::vector<Stretch> jolts = all_jolts(values, step, window, loud, search), stretches;
+  std::vector<Decay> poles;
+  for (int round = 0;; ++round) {
+    stretches = between(jolts, values.size(), window);
+    const double all = energy_of(values, 0, values.size()) - energy_of(values, pushes(jolts, values.size(), window));
+    if (stretches.empty() || energy_of(values, stretches) < used_least * all) return result;
+    result.jolts = static_cast<int>(jolts.size()), result.overlaps = overlaps_of(stretches, values, window);
+    shorten(stretches, values, window, samples_most, samples_most);
+    if (stretches.empty() || !dies_away(stretches, values, least_fitted * all)) return result;
+    const DecayFit tried(values, stretches, step);
+    poles = fitted(tried, step, search);
+    if (poles.empty() || round == rounds) break;
+    const std::vector<Stretch> hidden = windows_with_jolts(tried, poles, window);
+    if (hidden.empty()) break;
+    jolts = merged(std::move(jolts), hidden, window);
+  }
+  return judged(std::move(result), DecayFit(values, stretches, step), values, poles, step, search);
+}
+
+FreeDecay decay_behind(const std::vector<double>& values, double period, std::size_t begin, const DecaySearch& search,
+                       const DecaySearch& shown) {
+  FreeDecay result{.modes = {}, .jolts = 1};
+  const double loud = loudest({&values, 1}, period, search);
+  const auto window = static_cast<std::size_t>(1.0 / (loud * period));
+  std::vector<Stretch> stretches{{begin, values.size()}};
+  if (window < 4 || values.size() < begin + 8 * window) return result;
+  shorten(stretches, values, window, samples_most, samples_most);
+  if (stretches.empty()) return result;
+  const DecayFit fit(values, stretches, period);
+  return judged(std::move(result), fit, values, fitted(fit, period, search), period, shown);
 }
 
 }  // namespace accdec

@@ -13,6 +13,7 @@ struct DecayMode {
   double damping = 0.0;    ///< damping ratio
   double energy = 0.0;     ///< of its part in the signal, squares summed over the samples
   DecayError error{};
+  bool goes_on = true;  ///< it stands out a period behind the jolts, too
 };
 
 /// Free vibrations behind jolts.
@@ -29,5 +30,10 @@ struct FreeDecay {
 /// signal is not mainly such stretches. There are none either if what is left is louder near the modes than elsewhere:
 /// then something shakes the machine between the jolts.
 FreeDecay free_decay(std::span<const double> signal, double period, const DecaySearch& search);
+
+/// The vibrations behind one jolt that is known. @param begin  the first sample behind it
+/// @param shown  limits of what counts as a mode; others are fitted, too
+FreeDecay decay_behind(const std::vector<double>& values, double period, std::size_t begin, const DecaySearch& search,
+                       const DecaySearch& shown);
 
 }  // namespace accdec

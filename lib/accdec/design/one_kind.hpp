@@ -17,7 +17,7 @@ void give_delays(const Task& task, const DelayOf& of, Task& given) {
 inline constexpr const char* no_given_stops = "no filter of the orders asked for has exact stops of the given delays";
 
 /// Keeps the orders of filters whose exact stops have the given delays; false if there are none. An exact stop starts
-/// leg 2 when the filter has ended, or a sample later.
+/// leg 2 when the command behind filter and smoothing has ended, or a sample later.
 bool keep_given_stops(Task& task);
 
 /// For a control that runs on at every corner, or stops exactly at every one: the delays are then given. An exact stop

@@ -166,9 +166,11 @@ void compare_feed(const DesignResult& result, std::size_t j, std::vector<std::st
         fmt::format("corner {}: {} of the feed is no multiple of corner_feed_step", corner.name, corner.feed_part));
 }
 
-/// Whether this corner is an exact stop: as soon as the legs are apart, or a sample later if a limit asks for that.
+/// Whether this corner is an exact stop: as soon as the filter and the control's smoothing are empty, or a sample later
+/// if a limit asks for that.
 bool is_exact_stop(const DesignResult& result, std::size_t j) {
-  const int apart = result.filter->last_nonzero_tap() - result.filter->first_nonzero_tap();
+  const int apart =
+      result.filter->order() + std::max(0, static_cast<int>(result.task.machine.prefilter_taps.size()) - 1);
   const int longer = result.corners[j].delay - apart;
   if (longer != 1) return longer == 0;
   std::vector<LimitUse> limits;

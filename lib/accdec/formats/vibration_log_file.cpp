@@ -179,6 +179,25 @@ Mode bounded(const FoundMode& mode, double residual) {
           mode.damping_high};
 }
 
+/// By what the axis vibrated, and for what its errors are derived.
+std::string excitation_of(const FoundMode& mode) {
+  switch (mode.excitation) {
+    case Excitation::jolts:
+      return fmt::format("{} jolts; the stretches between them were fitted{}. Errors are those of white noise",
+                         mode.jolts,
+                         mode.overlaps > 0 ? fmt::format(", {} of them before the ringing ends", mode.overlaps) : "");
+    case Excitation::sweep:
+      return fmt::format(
+          "a sweep of {:.4g} Hz/s, fitted as the jolt of all its frequencies; it shows modes from {:.4g} "
+          "to {:.4g} Hz.\n# Errors are those of a steady rate and amplitude, and of white noise",
+          mode.sweep.rate, mode.sweep.frequency_low, mode.sweep.frequency_high);
+    case Excitation::noise:
+      return "noise shakes it all the time; its spectrum was fitted. Errors are those of noise that is steady";
+    case Excitation::other: break;
+  }
+  return "neither jolts, nor steady noise, nor a sweep at a constant rate: no errors are derived";
+}
+
 }  // namespace
 
 VibrationLog read_vibration_log(const std::string& path) {
@@ -199,18 +218,11 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
     if (std::ranges::find(columns, axis) == columns.end()) columns.push_back(axis);
   std::string text = fmt::format("# found in {}: {} samples of {}, {:.4g} s\n", log_name, log.samples(),
                                  fmt::join(columns, ", "), static_cast<double>(log.samples()) * log.period);
-  if (modes.empty())
-    text += "# no vibration stands out\n";
-  else if (std::ranges::all_of(modes, [](const FoundMode& m) { return m.jolts > 0; })) {
-    const FoundMode& first = modes.front();
-    text += fmt::format("# {} jolts; the stretches between them were fitted{}\n", first.jolts,
-                        first.overlaps > 0 ? fmt::format(", {} of them before the ringing ends", first.overlaps) : "");
-  } else
-    text +=
-        "# holds for noise, sweeps, and jolts at regular times or so far apart that each dies away\n"
-        "# modes within 3 % of each other count as one; weak ones are shown if they stand out from noise, which seems "
-        "to\n"
-        "# have a mode in one axis of 1000 logs\n";
+  if (modes.empty()) text += "# no vibration stands out\n";
+  for (const std::string& axis : columns) {
+    const auto first = std::ranges::find(modes, axis, &FoundMode::axis);
+    if (first != modes.end()) text += fmt::format("# axis {}: {}\n", axis, excitation_of(*first));
+  }
   if (!modes.empty())
     text += fmt::format(
         "# a [[mode]] is within {:g} % of the frequency and {:g} % of the damping, as far as standard errors tell: in\n"

@@ -15,6 +15,10 @@ struct VelocityChange {
   bool judged = false;  ///< whether the motion may go on behind it as if nothing came later; the last always may
 };
 
+/// The time of a command that decides how much a mode is left with, s. A mode forgets changes older than 24 decays, of
+/// which 4e-11 is left. @param longest  s, of the command
+double memory_of(const Mode& mode, double damping, double longest);
+
 /// The amplitude of a mode of an axis, m, behind changes that pass a filter, see `Mode`. There is one for every change.
 /// It counts the changes up to that one together, with their phase, at the filter's last tap for it. It is 0 for
 /// changes that are not judged.

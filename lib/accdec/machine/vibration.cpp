@@ -13,6 +13,16 @@
 #include <accdec/machine/velocity_changes.hpp>
 
 namespace accdec {
+namespace {
+
+constexpr double decays_kept = 24.0;  // exp(-24) is 4e-11
+
+}  // namespace
+
+double memory_of(const Mode& mode, double damping, double longest) {
+  const double rate = 2.0 * std::numbers::pi * mode.frequency_low * damping;
+  return rate * longest > decays_kept ? decays_kept / rate : longest;
+}
 
 double residual_vibration(const Filter& filter, double frequency, double sample_period, double damping) {
   const double w = 2.0 * std::numbers::pi * frequency * sample_period;
@@ -134,16 +144,12 @@ class WorstDamped {
 
   /// @param left  what is left  @param duration  s, of the longest command that it depends on
   WorstDamped(Left left, const Mode& mode, double duration, const std::function<bool()>& stop)
-      : left_(std::move(left)), stop_(stop) {
-    const Point low{mode.frequency_low, mode.damping_low}, high{mode.frequency_high, mode.damping_high};
-    best_ = at(low);
-    // Between two grid points the response turns by an eighth of a ripple, or is damped by an eighth.
-    const double ripples = duration * (high.frequency - low.frequency);
-    const double decay = 2.0 * std::numbers::pi * duration * high.frequency * (high.damping - low.damping);
-    edge({low.frequency, low.damping}, {high.frequency, low.damping}, ripples);
-    if (high.damping == low.damping) return;
-    edge({low.frequency, high.damping}, {high.frequency, high.damping}, ripples);
-    for (const double f : {low.frequency, high.frequency}) edge({f, low.damping}, {f, high.damping}, decay);
+      : left_(std::move(left)), stop_(stop), duration_(duration) {
+    best_ = at({mode.frequency_low, mode.damping_low});
+    across(mode, mode.damping_low);
+    if (mode.damping_high == mode.damping_low) return;
+    across(mode, mode.damping_high);
+    for (const double f : {mode.frequency_low, mode.frequency_high}) along_damping(f, mode);
   }
   const Point& worst() const { return best_; }
 
@@ -155,13 +161,36 @@ class WorstDamped {
     return p;
   }
 
-  void edge(const Point& from, const Point& to, double units) {
-    if (from.frequency == to.frequency && from.damping == to.damping) return;
-    const auto place = [&](double x) {
-      // Rounding must not leave the rectangle.
-      return at({x == 1.0 ? to.frequency : from.frequency + x * (to.frequency - from.frequency),
-                 x == 1.0 ? to.damping : from.damping + x * (to.damping - from.damping)});
+  /// All frequencies with one damping ratio. Between two grid points the response turns by an eighth of a ripple.
+  void across(const Mode& mode, double damping) {
+    const double low = mode.frequency_low, high = mode.frequency_high;
+    if (low == high) return;
+    // Rounding must not leave the rectangle.
+    edge(
+        [&](double x) {
+          return at({x == 1.0 ? high : low + x * (high - low), damping});
+        },
+        memory_of(mode, damping, duration_) * (high - low));
+  }
+
+  /// All damping ratios with one frequency. Between two grid points the response is damped by an eighth more. The
+  /// smaller the memory, the farther apart are grid points.
+  void along_damping(double frequency, const Mode& mode) {
+    const double decays = 2.0 * std::numbers::pi * frequency * duration_;  // with a damping ratio of 1
+    const auto damped = [&](double z) {
+      return z * decays <= decays_kept ? z * decays : decays_kept * (1.0 + std::log(z * decays / decays_kept));
     };
+    const double begin = damped(mode.damping_low), end = damped(mode.damping_high);
+    const auto ratio = [&](double x) {
+      const double by = begin + x * (end - begin);
+      const double z = (by <= decays_kept ? by : decays_kept * std::exp(by / decays_kept - 1.0)) / decays;
+      return x == 1.0 ? mode.damping_high : std::clamp(z, mode.damping_low, mode.damping_high);
+    };
+    edge([&](double x) { return at({frequency, ratio(x)}); }, end - begin);
+  }
+
+  template <class Place>
+  void edge(const Place& place, double units) {
     const int cells = 4 + static_cast<int>(std::ceil(per_unit * units));
     std::vector<double> left;
     for (int i = 0; i <= cells && !(stop_ && stop_()); ++i) {
@@ -205,6 +234,7 @@ class WorstDamped {
 
   Left left_;
   const std::function<bool()>& stop_;
+  double duration_;
   Point best_{};
 };
 
@@ -249,37 +279,68 @@ std::vector<LimitUse> vibration_utilisation(const Filter& filter, double sample_
 
 namespace {
 
-/// Tells what is left behind every change that is judged. All changes excite through the same filter, the first ones
-/// earlier.
+/// The powers of the factor by which a vibration turns and dies away in a sample.
+class Turns {
+ public:
+  Turns(double decay, double turn) : decay_(decay), turn_(turn), step_(std::polar(std::exp(-decay), turn)) {
+    powers_[0] = 1.0;
+  }
+  std::complex<double> over(std::int64_t samples) {
+    if (samples >= std::ssize(powers_))
+      return std::polar(std::exp(-decay_ * static_cast<double>(samples)), turn_ * static_cast<double>(samples));
+    for (; known_ <= samples; ++known_)
+      powers_[static_cast<std::size_t>(known_)] = product(powers_[static_cast<std::size_t>(known_ - 1)], step_);
+    return powers_[static_cast<std::size_t>(samples)];
+  }
+  /// Products of std::complex look for infinities.
+  static std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+  }
+
+ private:
+  double decay_, turn_;
+  std::complex<double> step_;
+  std::array<std::complex<double>, 64> powers_;
+  std::int64_t known_ = 1;
+};
+
+/// Tells the square of what is left behind every change that is judged, if a change of 1 leaves 1.
 template <class Told>
-void tell_left(const Filter& filter, std::span<const VelocityChange> changes, double frequency, double sample_period,
-               double damping, const Told& told) {
-  const double natural = 2.0 * std::numbers::pi * frequency, damped = natural * std::sqrt(1.0 - damping * damping);
-  const double of_one = residual_vibration(filter, frequency, sample_period, damping) / damped;
+void tell_left(std::span<const VelocityChange> changes, double frequency, double sample_period, double damping,
+               const Told& told) {
+  const double w = 2.0 * std::numbers::pi * frequency * sample_period;
+  Turns turns(damping * w, w * std::sqrt(1.0 - damping * damping));
   std::complex<double> left = 0.0;
   std::int64_t before = changes.front().sample;
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    const double gap = static_cast<double>(changes[i].sample - before) * sample_period;
-    left = left * std::polar(std::exp(-damping * natural * gap), damped * gap) + changes[i].by;
+    left = Turns::product(left, turns.over(changes[i].sample - before)) + changes[i].by;
     before = changes[i].sample;
-    if (changes[i].judged || i + 1 == changes.size()) told(i, of_one * std::abs(left));
+    if (changes[i].judged || i + 1 == changes.size()) told(i, std::norm(left));
   }
+}
+
+/// The amplitude that a change of 1 m/s leaves, m. All changes excite through the same filter, the first ones earlier.
+double left_of_one(const Filter& filter, double frequency, double sample_period, double damping) {
+  const double natural = 2.0 * std::numbers::pi * frequency;
+  return residual_vibration(filter, frequency, sample_period, damping) / (natural * std::sqrt(1.0 - damping * damping));
 }
 
 double amplitude_left_by(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
                          double sample_period, double damping) {
   double most = 0.0;
-  tell_left(filter, changes, frequency, sample_period, damping,
-            [&](std::size_t, double left) { most = std::max(most, left); });
-  return most;
+  tell_left(changes, frequency, sample_period, damping,
+            [&](std::size_t, double square) { most = std::max(most, square); });
+  return left_of_one(filter, frequency, sample_period, damping) * std::sqrt(most);
 }
 
 }  // namespace
 
 std::vector<double> residuals_behind(const Filter& filter, std::span<const VelocityChange> changes, double frequency,
                                      double sample_period, double damping) {
+  const double of_one = left_of_one(filter, frequency, sample_period, damping);
   std::vector<double> all(changes.size(), 0.0);
-  tell_left(filter, changes, frequency, sample_period, damping, [&](std::size_t i, double left) { all[i] = left; });
+  tell_left(changes, frequency, sample_period, damping,
+            [&](std::size_t i, double square) { all[i] = of_one * std::sqrt(square); });
   return all;
 }
 

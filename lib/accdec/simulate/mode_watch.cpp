@@ -132,8 +132,7 @@ class ModeWatch {
   void require_little_work(const Mode& mode, const std::vector<VelocityChange>& changes) const {
     const double duration =
         static_cast<double>(changes.back().sample - changes.front().sample) * timing_.sample_period();
-    const double ripples = duration * (mode.frequency_high - mode.frequency_low +
-                                       2.0 * M_PI * mode.frequency_high * (mode.damping_high - mode.damping_low));
+    const double ripples = memory_of(mode, mode.damping_low, duration) * (mode.frequency_high - mode.frequency_low);
     if (ripples * static_cast<double>(changes.size()) <= work_max) return;
     throw std::invalid_argument(
         fmt::format("`residual_max_um`: up to line {} the motion does not go on evenly for {:.4g} s, too long to judge "

@@ -53,7 +53,7 @@ class KindChoice {
         kinds_(task.settings->delays),
         cost_(cost_of(task)),
         stop_(stop),
-        last_(last_delay(task, least.apart() + behind.longest_order() - filter.order())),
+        last_(last_delay(task, behind.longest_order())),
         best_(samples) {
     for (const TaskCorner& corner : task.corners) checks_.emplace_back(behind, corner, task, limits);
     known_.assign(checks_.size(), std::vector<signed char>(static_cast<std::size_t>(last_) + 1, -1));

@@ -8,8 +8,14 @@
 
 namespace accdec {
 
-/// Samples that a limit may ask for at an exact stop, behind the least delay at which the legs do not overlap. No word
-/// of a control makes its exact stop wait longer.
+/// The delay of a control's exact stop, samples: it waits until the last command has left all taps. Zero taps count, as
+/// a control does not know its taps.
+/// @param filter  of the command, behind the control's smoothing
+inline int exact_stop_delay(const Filter& filter) {
+  return filter.order();
+}
+
+/// Samples that a limit may ask for behind that. No word of a control makes its exact stop wait longer.
 inline constexpr int exact_stop_more = 1;
 
 /// Delays of one filter at every corner, of the kinds that a controller has.

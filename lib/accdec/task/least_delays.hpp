@@ -10,6 +10,7 @@
 #include <accdec/task.hpp>
 #include <accdec/task/blend_check.hpp>
 #include <accdec/task/corner_feeds.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/objective.hpp>
 
 // Internal to the room: what delays of a controller's kinds cost at least with one filter.
@@ -70,7 +71,7 @@ class LeastDelays {
   LeastDelays(const Filter& filter, const FilterBehind& behind, const Task& task, const BlendLimits& limits)
       : task_(task),
         order_(filter.order()),
-        apart_(exact_stop_of(filter)),
+        apart_(exact_stop_delay(behind.command())),
         in_position_(behind, task),
         corner_feeds_(filter, behind, task, limits) {
     const DelayFinder smallest(behind.motion());
@@ -84,7 +85,7 @@ class LeastDelays {
 
   const InPosition& in_position() const { return in_position_; }
   const CornerFeeds& corner_feeds() const { return corner_feeds_; }
-  /// The least delay at which the commands of the legs do not overlap.
+  /// The delay of an exact stop.
   int apart() const { return apart_; }
   /// A corner's error is too large with shorter delays; given delays as they are.
   int of(std::size_t corner) const { return least_[corner]; }

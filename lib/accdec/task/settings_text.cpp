@@ -8,6 +8,7 @@
 #include <accdec/machine.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/corner_feed.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -231,7 +232,8 @@ std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result) {
   const auto& control = result.task.settings;
   if (!control || control->delays.empty() || !result.filter) return {};
   const bool dwells = control->names(DelayKind::dwell);
-  const int apart = exact_stop_of(*result.filter);
+  const Response response(result.task.machine, result.task.sample_period);
+  const int apart = exact_stop_delay(response.command(*result.filter));
   std::vector<DelayKind> kinds;
   for (const CornerResult& corner : result.corners) {
     if (corner.delay == 0 && control->names(DelayKind::continuous))
@@ -268,6 +270,14 @@ std::string kinds_not_used(const DesignResult& result) {
   return text;
 }
 
+/// The part of the motion that the time leaves out.
+std::string smoothing_left_out(const DesignResult& result) {
+  const double later = Response(result.task.machine, result.task.sample_period).prefilter_order();
+  if (later == 0.0) return "";
+  return fmt::format(" The control's smoothing ends {} after this time.",
+                     milliseconds(later * result.task.sample_period));
+}
+
 /// Whether the control's corner feeds were candidates: free taps with delays of any length do without.
 bool considers_feeds(const DesignResult& result) {
   const auto& control = result.task.settings;
@@ -280,8 +290,8 @@ std::string feeds_left_out(const DesignResult& result) {
   const int lead =
       corner_feed_lead(result.filter->order(), Response(result.task.machine, result.task.sample_period).order());
   return fmt::format(
-      " Less than {} samples at the corner feed, before and behind the corner, may be faster: they are "
-      "not considered.",
+      " The {} samples at the corner feed, before and behind the corner, are a rule of this design. Fewer may be "
+      "faster; they are not considered.",
       lead);
 }
 
@@ -308,7 +318,7 @@ std::string settings_answer(const DesignResult& result) {
                                                      : taps_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
   text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
-  text += beside_taps(result) + kinds_not_used(result) + feeds_left_out(result);
+  text += feeds_left_out(result) + smoothing_left_out(result) + beside_taps(result) + kinds_not_used(result);
   if (result.savings && result.settings) {
     const double today = result.savings->today, saved = result.savings->total;
     text += fmt::format(" Today's setting takes {}; ", milliseconds(today));

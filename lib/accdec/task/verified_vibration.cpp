@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,8 @@
 
 namespace accdec {
 namespace {
+
+constexpr std::size_t gaps_kept = 1000;  // samples between hits
 
 /// The worst place of a mode, by grids of frequencies and damping ratios. It does not use that the worst is on the
 /// edge.
@@ -19,9 +22,11 @@ class Scan {
     use_.kind = mode.of_axis() ? LimitKind::residual : LimitKind::vibration;
     use_.bound = mode.of_axis() ? mode.displacement_max : mode.residual_max;
     use_.frequency = mode.frequency_low, use_.damping = mode.damping_low;
-    const double taps = period * static_cast<double>(hits);
-    // The response is band-limited to N T. Grid points are a sixteenth of its shortest ripple apart. So a parabola
-    // through three of them locates a peak precisely enough that the amplitude does not change.
+    // The response is band-limited to N T, or to the time in which a mode dies away. Grid points are a sixteenth of its
+    // shortest ripple apart. So a parabola through three of them locates a peak precisely enough that the amplitude
+    // does not change.
+    const double died = 30.0 / (2.0 * std::numbers::pi * mode.frequency_low * std::max(mode.damping_low, 1e-12));
+    const double taps = std::min(period * static_cast<double>(hits), died);
     const double band = mode.frequency_high - mode.frequency_low, ratios = mode.damping_high - mode.damping_low;
     const int cells = band > 0.0 ? 16 + static_cast<int>(16.0 * band * taps) : 0;
     const int lines = ratios > 0.0 ? 4 : 0;
@@ -154,9 +159,18 @@ std::vector<double> displacements_left(const RawChanges& changes, const Filter& 
   std::vector<double> all;
   Oscillator::State at{};
   std::size_t next = 0;
+  std::vector<std::optional<Oscillator>> over;  // gaps, by samples
   for (std::size_t k = 0; k < changes.hits.size() && next < changes.judged.size(); ++k) {
-    at = swing.after_sample(at);
-    at.u += changes.hits[k];
+    const auto gap = static_cast<std::size_t>(k == 0 ? 0 : changes.hits[k].first - changes.hits[k - 1].first);
+    const auto through = [&] { return Oscillator(frequency, damping, period * static_cast<double>(gap)); };
+    if (gap < gaps_kept) {
+      over.resize(std::max(over.size(), gap + 1));
+      if (!over[gap]) over[gap] = through();
+      at = over[gap]->after_sample(at);
+    } else {
+      at = through().after_sample(at);
+    }
+    at.u += changes.hits[k].second;
     if (changes.judged[next] != k) continue;
     ++next;
     all.push_back(swing.amplitude({at.x * of_x.x + at.u * of_u.x, at.x * of_x.u + at.u * of_u.u}) / swing.damped());
@@ -169,7 +183,8 @@ LimitUse verified_residual(const RawChanges& changes, const Filter& filter, cons
     const std::vector<double> swings = displacements_left(changes, filter, f, z, period);
     return *std::ranges::max_element(swings);
   };
-  return Scan(left, mode, period, changes.hits.size() + filter.taps().size()).use();
+  const auto samples = static_cast<std::size_t>(changes.hits.back().first - changes.hits.front().first);
+  return Scan(left, mode, period, samples + filter.taps().size()).use();
 }
 
 LimitUse verified_residual(const SampledMotion& command, const Mode& mode, const Machine& machine,

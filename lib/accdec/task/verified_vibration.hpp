@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <accdec/machine.hpp>
@@ -25,9 +27,9 @@ double displacement_left(std::span<const double> changes, double frequency, doub
 /// Use of the bound of a mode of an axis by those changes, with its worst frequency and damping.
 LimitUse verified_residual(std::span<const double> changes, const Mode& mode, double period);
 
-/// Changes of an axis' velocity in a program before they pass the command's filter, m/s, one a sample.
+/// Changes of an axis' velocity in a program before they pass the command's filter.
 struct RawChanges {
-  std::vector<double> hits;
+  std::vector<std::pair<std::int64_t, double>> hits;  ///< sample and m/s; samples ascend
   std::vector<std::size_t> judged;  ///< hits behind which the motion may go on as if nothing came later; ascending
 };
 /// The displacement, m, that each judged hit and those before it leave a mode with when they have passed the filter.

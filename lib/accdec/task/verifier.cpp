@@ -299,8 +299,13 @@ std::string describe(const LimitUse& use) {
   std::string text(limit_word(use.kind, use.axis));
   std::replace(text.begin(), text.end(), '_', ' ');
   if (!use.axis.empty()) text += " " + use.axis;
-  text +=
-      use.utilisation < unlimited ? fmt::format(": {:.1f} %", 100.0 * use.utilisation) : ": more than its bound of 0";
+  const bool of_zero = use.utilisation >= unlimited;  // the bound is zero, and the value is not
+  if (!of_zero)
+    text += fmt::format(": {:.1f} %", 100.0 * use.utilisation);
+  else if (use.kind == LimitKind::vibration)
+    text += fmt::format(": lets {:.3g} % of a mode through, which must be zero,", 100.0 * use.value);
+  else
+    text += fmt::format(": {:.4g} um, which must be zero,", 1e6 * use.value);
   if (use.kind == LimitKind::vibration) return text + " " + place_of_vibration(use, 4);
   if (use.kind == LimitKind::residual)
     text += fmt::format(" {} behind the {}", place_of_vibration(use, 4), to_string(use.event));

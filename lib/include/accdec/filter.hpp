@@ -66,11 +66,6 @@ class Filter {
   int first_nonzero_ = 0, last_nonzero_ = 0;
 };
 
-/// The least delay, samples, with which the legs of a corner do not overlap: that of an exact stop.
-inline int exact_stop_of(const Filter& filter) {
-  return filter.last_nonzero_tap() - filter.first_nonzero_tap();
-}
-
 /// Standard Acc/Dec shapes as filters of order N (N + 1 taps). All throw std::invalid_argument when an argument is out
 /// of the range given here. Order 0 is the filter that passes the command through unchanged.
 

@@ -38,6 +38,20 @@ struct SampleCheck {
   bool errors_hold = true;
 };
 
+/// Multipliers that prove a bound for any motion from one stop to the next. THEORY.md, "Weights of a whole motion", has
+/// K, M and p.
+struct MotionProof {
+  struct Leg {
+    std::size_t last = 0;                                 ///< its last block
+    double time = 0.0;                                    ///< s, a guess
+    std::vector<double> shares;                           ///< ends of its pieces, 0 to 1
+    std::vector<std::vector<double>> acceleration, jerk;  ///< K and M at every share, a value for every axis
+    std::vector<std::vector<double>> way;                 ///< p of every piece, a value for every axis
+  };
+  std::size_t first = 0;  ///< block
+  std::vector<Leg> legs;  ///< up to the next stop
+};
+
 /// A lower bound on the time of motions that are sums of monotone legs, one a block. It holds if no other leg moves
 /// when the motion is fastest on a leg that counts. A free motion may be faster, see `any_motion`.
 struct CornerBound {
@@ -49,6 +63,8 @@ struct CornerBound {
                             ///< cost nothing
   std::size_t classes = 0;  ///< linear programs solved
   bool complete = true;     ///< false if programs or time ran out: further corners cost nothing
+  double proved = 0.0;      ///< s, of `any_motion`, by `proofs`
+  std::vector<MotionProof> proofs;  ///< of sections between stops; others count 0
 };
 
 /// Blocks slowed because the filter breaks one axis limit at a start or stop at their programmed feed, with any delay.
@@ -283,11 +299,21 @@ struct FixedOptions {
   bool dwells_before_filter = false;  ///< see ToolpathOptions
 };
 
+/// How far planner `free` is.
+struct FreeProgress {
+  std::string stage;    ///< "bounds", "sweep 2 over the samples"
+  double gained = 0.0;  ///< s, by all sweeps so far
+  double share = 0.0;   ///< of the sweep
+};
+
 /// Options of plan free. Its answer depends on the time limit only.
 struct FreeOptions {
-  int threads = 1;                                             ///< that shorten the motion
-  int sweeps = 10;                                             ///< over all samples, at most
-  std::function<void(double seconds, double share)> progress;  ///< time gained so far, part of the work done
+  int threads = 1;                                    ///< that shorten the motion
+  int sweeps = 10;                                    ///< over all samples, at most
+  std::function<void(const FreeProgress&)> progress;  ///< told at every stage and part of a sweep, one at a time
+  void tell(const char* stage) const {
+    if (progress) progress({.stage = stage});
+  }
 };
 
 /// How a program file is read and planned. Unset options follow from the task and the feeds.

@@ -46,7 +46,7 @@ std::optional<SettingFamily> setting_family_from_string(std::string_view name);
 /// How a controller delays the second leg of a corner.
 enum class DelayKind {
   continuous,   ///< d = 0: the next block starts as the command of the last ends
-  exact_stop,   ///< the least d at which the legs do not overlap, one more where a limit asks for it
+  exact_stop,   ///< d at which filter and smoothing are empty, N + P, or one more where a limit asks for it
   in_position,  ///< d = L + min{e >= 0: v1 T p(e) <= w}, with one width w for all corners; L, see ControllerSettings.
                 ///< By axis: v1 is that of the fastest axis of leg 1
   dwell,        ///< any d, by a dwell before the filter

@@ -106,7 +106,7 @@ namespace {
 bool stops_had(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                const std::vector<int>& delays) {
   const int motion = FilterBehind(filter, machine, sample_period).longest_order() - filter.order();
-  const int most = exact_stop_of(filter) + motion + exact_stop_more;
+  const int most = exact_stop_delay(filter) + motion + exact_stop_more;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.joint[b] == Joint::stop && delays[b] > most) return false;
   }

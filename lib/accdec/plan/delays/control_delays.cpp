@@ -26,7 +26,7 @@ bool lowered_beside(const Toolpath& path, std::size_t b) {
 class DelaySink {
  public:
   DelaySink(const Toolpath& path, const Filter& filter, const std::vector<int>& delays)
-      : path_(path), filter_(filter), apart_(exact_stop_of(filter)) {
+      : path_(path), filter_(filter), apart_(exact_stop_delay(filter)) {
     found_.kinds.assign(path.blocks(), DelayKind::continuous);
     found_.delays = delays;
     std::copy_n(path.point(0), path.dimensions(), start_.begin());

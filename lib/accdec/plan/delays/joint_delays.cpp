@@ -99,7 +99,7 @@ int JointDelays::of_control(int delay) {
 }
 
 int JointDelays::exact_stop() const {
-  return exact_stop_of(filter_);
+  return exact_stop_delay(filter_);
 }
 
 int JointDelays::stop(std::size_t b) {

@@ -13,6 +13,7 @@
 #include <accdec/plan/emit/emitted_lines.hpp>
 #include <accdec/plan/emit/timed_moves.hpp>
 #include <accdec/program.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -48,7 +49,7 @@ int dwell(const ProgramResult& result, std::size_t b) {
   if (b + 1 == path.blocks() || path.joint[b] == Joint::stop) return 0;
   const DelayKind kind = kind_of(result, b);
   if (kind == DelayKind::in_position) return 0;
-  const int stop = kind == DelayKind::exact_stop ? exact_stop_of(result.plan.filter()) : 0;
+  const int stop = kind == DelayKind::exact_stop ? exact_stop_delay(result.plan.filter()) : 0;
   return std::max(0, result.plan.delay(b) - stop);
 }
 
@@ -320,7 +321,7 @@ class Emission {
 
   /// The wait of a stop for the servo, beyond the rest of the command.
   void servo_rest(std::size_t b) {
-    const int longer = result_.plan.delay(b) - exact_stop_of(result_.plan.filter());
+    const int longer = result_.plan.delay(b) - exact_stop_delay(result_.plan.filter());
     if (longer > 0) line("G4 P{}", plain_number(static_cast<double>(longer) * result_.sample_period, 9));
   }
 

@@ -62,7 +62,7 @@ double watched_part(const ControlDelays& control, const double* velocity, std::s
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {
   if (control.any()) return least;
   if (least == 0 && control.names(DelayKind::continuous)) return 0;
-  const int apart = exact_stop_of(filter);
+  const int apart = exact_stop_delay(filter);
   std::optional<int> best;
   if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + exact_stop_more)
     best = stop;

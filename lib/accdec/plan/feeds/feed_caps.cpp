@@ -155,7 +155,7 @@ CornerFeed FeedCaps::fastest_corner(std::size_t b, double tolerance) const {
   const double feed_max = std::min(feed(b), feed(b + 1));
   const bool stops = path_.joint[b] == Joint::stop;
   // Behind a servo the motion goes on while the command rests: it may need longer than that to stay within a tolerance.
-  const int rest = exact_stop_of(filter_), longest = finder_.exact_stop_delay();
+  const int rest = exact_stop_delay(filter_), longest = finder_.exact_stop_delay();
   const double watched = watched_part(path_.control, u, n, 1.0);
   const auto within = [&](double v) { return finder_(cosine, v * period_, v * period_, tolerance); };
   const auto delay_at = [&](double v) {

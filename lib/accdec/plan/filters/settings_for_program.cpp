@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -20,30 +21,91 @@
 namespace accdec {
 namespace {
 
+/// Times of members that are guessed, each once. Keeps the reference.
+class MemberGuesses {
+ public:
+  explicit MemberGuesses(const SettingsTrials& trials) : trials_(trials) {}
+
+  /// Samples, with delays of any number of samples.
+  double any(const SettableMember& member) {
+    const auto [at, fresh] = any_.try_emplace(member.key(), unlimited);
+    if (fresh) at->second = trials_.any(make_filter(member.spec));
+    return at->second;
+  }
+
+  /// With the control's delays.
+  const TimedSetting& of(const SettableMember& member) {
+    const auto [at, fresh] = all_.try_emplace(member.key(), std::pair{member, TimedSetting{}});
+    TimedSetting& time = at->second.second;
+    // The width that suits a tolerance depends little on the filter.
+    if (fresh) time = trials_.guess(make_filter(member.spec), any(member), best_.width);
+    if (time.samples < best_.samples) best_ = time, best_order_ = member.order();
+    return time;
+  }
+
+  /// Members all over the families, outwards from the best guess until they only lose. Then steps around the best
+  /// guesses that are halved.
+  /// @param first  the best plan's so far; null: none
+  void spread(const SettableMembers& members, const SettableMember* first, const Deadline& until) {
+    std::vector<SettableMember> spread = members.spread();
+    const int middle = best_order_;
+    const auto distance = [&](const SettableMember& m) {
+      return std::abs(std::log((m.order() + 1.0) / (middle + 1.0)));
+    };
+    std::ranges::stable_sort(spread, {}, distance);
+    std::vector<std::pair<double, SettableMember>> best;
+    if (first != nullptr) best.emplace_back(of(*first).samples, *first);
+    std::array<int, 2> losses{};  // of the shorter and the longer ones
+    for (const SettableMember& member : spread) {
+      if (until.over() && !best.empty()) break;
+      int& lost = losses[member.order() < middle ? 0 : 1];
+      if (lost >= most_losses) continue;
+      best.emplace_back(of(member).samples, member);
+      lost = best.back().first > clearly_slower * best_.samples ? lost + 1 : 0;
+    }
+    const auto shorter = [](const auto& a, const auto& b) { return a.first < b.first; };
+    std::stable_sort(best.begin(), best.end(), shorter);
+    best.resize(std::min(best.size(), starts));
+    for (auto& [samples, start] : best) {
+      for (int step = members.coarse_step(start); step >= 1; step /= 2) {
+        for (bool better = true; better && !until.over();) {
+          better = false;
+          for (const SettableMember& near : members.around(start, step)) {
+            if (until.over()) break;
+            const double time = of(near).samples;
+            if (time < samples) samples = time, start = near, better = true;
+          }
+        }
+      }
+    }
+  }
+
+  using Guessed = std::map<std::vector<int>, std::pair<SettableMember, TimedSetting>>;
+  /// By their keys.
+  const Guessed& all() const { return all_; }
+
+ private:
+  static constexpr std::size_t starts = 3;
+  static constexpr int most_losses = 8;  ///< one after another, as many as two orders have
+  static constexpr double clearly_slower = 1.1;
+
+  const SettingsTrials& trials_;
+  std::map<std::vector<int>, double> any_;
+  Guessed all_;
+  TimedSetting best_;
+  int best_order_ = 20;  // a usual one as long as nothing is guessed
+};
+
 class MemberSearch {
  public:
   MemberSearch(const Task& task, const SettingsTrials& trials, const Deadline& deadline,
                const std::function<void(const std::string&)>& tell)
-      : task_(task), trials_(trials), deadline_(deadline), tell_(tell), members_(task) {}
+      : task_(task), trials_(trials), deadline_(deadline), tell_(tell), members_(task), guesses_(trials) {}
 
   /// @param today  null if there is none
   std::optional<ProgramSettings> run(const FilterSpec* today) {
-    if (today != nullptr) {
-      for (const SettableMember& member : members_.like(*today)) offer(member);
-    }
-    // One that holds at all feeds shows early which others are not faster.
-    for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
-    guess_all();
-    plan_guessed(first_planned);
-    if (best_) {
-      for (int step = members_.coarse_step(*best_); step >= 1; step /= 2) {
-        for (bool better = true; better && !late();) {
-          better = false;
-          for (const SettableMember& near : members_.around(*best_, step)) better = offer(near) || better;
-        }
-      }
-    }
-    plan_guessed(guesses_.size());
+    search(today);
+    plan_guessed(guesses_.all().size());
     if (best_) members_.sort_near(*best_);
     const std::vector<SettableMember>& all = members_.all();
     bool passed = true;
@@ -58,12 +120,32 @@ class MemberSearch {
     return result;
   }
 
+  /// Plans the settings that promise most, and steps around the best of them.
+  /// @param today  null if there is none
+  void search(const FilterSpec* today) {
+    if (today != nullptr) {
+      for (const SettableMember& member : members_.like(*today)) offer(member);
+    }
+    // One that holds at all feeds shows early which others are not faster.
+    for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
+    if (best_) guesses_.of(*best_);
+    guesses_.spread(members_, best_ ? &*best_ : nullptr, deadline_.within(part_for_guesses * deadline_.left()));
+    plan_guessed(first_planned);
+    if (!best_) return;
+    for (int step = members_.coarse_step(*best_); step >= 1; step /= 2) {
+      for (bool better = true; better && !late();) {
+        better = false;
+        for (const SettableMember& near : members_.around(*best_, step))
+          better = (promises(near) && offer(near)) || better;
+      }
+    }
+  }
+
   /// Begins with the best of a search among fewer kinds of delays.
   void begin_with(const MemberSearch& fewer) { best_ = fewer.best_, time_ = fewer.time_, before_ = fewer.planned_; }
 
  private:
-  using Guess = SettingsTrials::Guess;
-  static constexpr std::size_t first_planned = 4, starts = 3;
+  static constexpr std::size_t first_planned = 4;
   static constexpr int most_late = 8;
   static constexpr double part_for_guesses = 0.3;  ///< of the time
 
@@ -75,53 +157,22 @@ class MemberSearch {
   void take_guess() {
     double least = unlimited;
     for (const SettableMember& member : trials_.at_feed(members_)) {
-      const auto at = guesses_.find(member.key());
-      if (at == guesses_.end() || !(at->second.second.best.samples < unlimited)) continue;
-      best_ = member, time_.width = at->second.second.best.width;
+      const auto at = guesses_.all().find(member.key());
+      if (at == guesses_.all().end() || !(at->second.second.samples < unlimited)) continue;
+      best_ = member, time_.width = at->second.second.width;
       return;
     }
-    for (const auto& [key, guessed] : guesses_) {
-      const TimedSetting& time = guessed.second.best;
+    for (const auto& [key, guessed] : guesses_.all()) {
+      const TimedSetting& time = guessed.second;
       if (time.samples < least) best_ = guessed.first, time_.width = time.width, least = time.samples;
-    }
-  }
-
-  const Guess& guess(const SettableMember& member) {
-    const auto [at, fresh] = guesses_.try_emplace(member.key(), std::pair{member, Guess{}});
-    if (fresh) at->second.second = trials_.guess(make_filter(member.spec));
-    return at->second.second;
-  }
-
-  /// Members all over the families, then steps around the best guesses that are halved.
-  void guess_all() {
-    const Deadline until = deadline_.within(part_for_guesses * deadline_.left());
-    std::vector<std::pair<double, SettableMember>> best;
-    for (const SettableMember& member : members_.spread()) {
-      if (until.over() && !best.empty()) break;
-      best.emplace_back(guess(member).best.samples, member);
-    }
-    const auto shorter = [](const auto& a, const auto& b) { return a.first < b.first; };
-    std::stable_sort(best.begin(), best.end(), shorter);
-    best.resize(std::min(best.size(), starts));
-    for (auto& [samples, start] : best) {
-      for (int step = members_.coarse_step(start); step >= 1; step /= 2) {
-        for (bool better = true; better && !until.over();) {
-          better = false;
-          for (const SettableMember& near : members_.around(start, step)) {
-            if (until.over()) break;
-            const double time = guess(near).best.samples;
-            if (time < samples) samples = time, start = near, better = true;
-          }
-        }
-      }
     }
   }
 
   /// So many of those guessed, the best guesses first.
   void plan_guessed(std::size_t most) {
     std::vector<std::pair<double, const SettableMember*>> order;
-    for (const auto& [key, guessed] : guesses_) {
-      if (!planned_.contains(key)) order.emplace_back(guessed.second.best.samples, &guessed.first);
+    for (const auto& [key, guessed] : guesses_.all()) {
+      if (!planned_.contains(key)) order.emplace_back(guessed.second.samples, &guessed.first);
     }
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (std::size_t i = 0; i < std::min(most, order.size()) && order[i].first < time_.samples; ++i)
@@ -138,14 +189,19 @@ class MemberSearch {
 
   /// Whether it would not be better with any delays.
   bool hopeless(const SettableMember& member) {
-    return trials_.least(member.order()) >= time_.samples || (!late() && guess(member).any >= time_.samples);
+    return trials_.least(member.order()) >= time_.samples || (!late() && guesses_.any(member) >= time_.samples);
+  }
+
+  /// Whether its guess is better than the best plan.
+  bool promises(const SettableMember& member) {
+    return !late() && !hopeless(member) && guesses_.of(member).samples < time_.samples;
   }
 
   bool offer(const SettableMember& member) {
     if (late() || planned_.contains(member.key()) || hopeless(member)) return false;
     planned_.insert(member.key());
     if (deadline_.over()) ++late_;
-    const TimedSetting time = trials_.plan(make_filter(member.spec), guess(member), !best_);
+    const TimedSetting time = trials_.plan(make_filter(member.spec), guesses_.of(member).width, !best_);
     if (!(time.samples < time_.samples)) return false;
     time_ = time;
     best_ = member;
@@ -160,7 +216,7 @@ class MemberSearch {
   const Deadline& deadline_;
   const std::function<void(const std::string&)>& tell_;
   SettableMembers members_;
-  std::map<std::vector<int>, std::pair<SettableMember, Guess>> guesses_;
+  MemberGuesses guesses_;
   std::set<std::vector<int>> planned_, before_;  // before: with fewer kinds of delays
   int late_ = 0;                                 // planned after the time was over
   std::optional<SettableMember> best_;
@@ -184,7 +240,7 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
   const Deadline until = deadline.within(part_of_fewer * deadline.left());
   const SettingsTrials plain(path, fewer, keep, until);
   MemberSearch first(fewer, plain, until, tell);
-  first.run(todays_filter(task));
+  first.search(todays_filter(task));
   search.begin_with(first);
   return search.run(todays_filter(task));
 }
@@ -198,10 +254,10 @@ double width_for_program(const Toolpath& path, const Task& task, const Filter& f
                          const Deadline& deadline) {
   if (task.settings->any_delay() || !task.settings->names(DelayKind::in_position)) return 0.0;
   const SettingsTrials trials(path, task, keep, deadline);
-  const SettingsTrials::Guess guess = trials.guess(filter);
-  const TimedSetting time = trials.plan(filter, guess, true);
+  const TimedSetting guess = trials.guess(filter, trials.any(filter), 0.0);
+  const TimedSetting time = trials.plan(filter, guess.width, true);
   // For want of a plan that holds: a slower plan with the guess may.
-  return time.samples < unlimited ? time.width : guess.best.width;
+  return time.samples < unlimited ? time.width : guess.width;
 }
 
 std::string corner_without_stop(const Toolpath& path, const Task& task) {

@@ -86,7 +86,9 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     const bool by_axis = task.settings && task.settings->in_position_by_axis;
     step_ = std::max(step_, step_of(path, b, task.sample_period, by_axis));
   }
-  for (std::size_t b = 0; b < path.blocks(); ++b) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    if (path.rapid[b] == 0) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
+  }
   moving_ = std::floor(time * (1.0 - snapped_part) / task.sample_period);
 }
 
@@ -105,6 +107,10 @@ std::optional<Filter> SettingsTrials::command(const Filter& set) const {
                                  [](const LimitUse& use) { return use.utilisation > 1.0 + verification_tolerance; });
   if (rings) return std::nullopt;
   return filter;
+}
+
+bool SettingsTrials::guesses_kept() const {
+  return keep_ || path_.blocks() <= small_program;
 }
 
 bool SettingsTrials::has_widths() const {
@@ -129,45 +135,67 @@ void SettingsTrials::search_width(const Filter& filter, int from, int step, cons
   }
 }
 
-SettingsTrials::Guess SettingsTrials::guess(const Filter& set) const {
-  Guess guess;
-  const std::optional<Filter> behind = command(set);
-  if (!behind) return guess;
-  const Filter& filter = *behind;
-  const PairwiseTimes pairwise(path_, filter, task_.sample_period, machine_, deadline_);
-  const bool kept = keep_ || path_.blocks() <= small_program;
-  const auto time = [&](const ControlDelays& control) {
-    const double chosen = keep_ ? unlimited : scheduled(filter, control);
-    return kept ? std::min(chosen, pairwise.with(control)) : chosen;
-  };
-  guess.any = time({});
-  const ControlDelays control = planned_control(*task_.settings, 0.0);
-  if (control.any()) return guess.best.samples = guess.any, guess;
-  guess.best.samples = time(control);
-  if (!has_widths()) return guess;
-  const int coarse = std::max(1, filter.order() / 8);
-  int middle = filter.order() / 2;
-  for (int delay = 0; delay <= filter.order() && !deadline_.over(); delay += coarse) {
-    const double width = width_of(filter, delay), samples = time(planned_control(*task_.settings, width));
-    if (samples < guess.best.samples) guess.best = {samples, width}, middle = delay;
-  }
-  search_width(filter, middle, coarse / 2, time, guess.best);
-  return guess;
+int SettingsTrials::delay_at(const Filter& filter, double width) const {
+  int delay = filter.order();
+  while (delay > 0 && width_of(filter, delay) < width * (1.0 - 1e-9)) --delay;
+  return delay;
 }
 
-TimedSetting SettingsTrials::plan(const Filter& set, const Guess& guess, bool thorough) const {
+double SettingsTrials::any(const Filter& set) const {
+  const std::optional<Filter> filter = command(set);
+  if (!filter) return unlimited;
+  const double chosen = keep_ ? unlimited : scheduled(*filter, {});
+  return guesses_kept()
+             ? std::min(chosen, PairwiseTimes(path_, *filter, task_.sample_period, machine_, deadline_).any())
+             : chosen;
+}
+
+TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) const {
+  const std::optional<Filter> behind = any < unlimited ? command(set) : std::nullopt;
+  const ControlDelays control = planned_control(*task_.settings, 0.0);
+  if (!behind || control.any()) return {any, 0.0};
+  const Filter& filter = *behind;
+  std::optional<PairwiseTimes> pairwise;
+  if (guesses_kept()) pairwise.emplace(path_, filter, task_.sample_period, machine_, deadline_);
+  const auto time = [&](const ControlDelays& with) {
+    const double chosen = keep_ ? unlimited : scheduled(filter, with);
+    return pairwise ? std::min(chosen, pairwise->with(with)) : chosen;
+  };
+  TimedSetting best{time(control), 0.0};
+  if (!has_widths()) return best;
+  const auto take = [&](int delay) {
+    const double at = width_of(filter, delay), samples = time(planned_control(*task_.settings, at));
+    const bool better = samples < best.samples;
+    if (better) best = {samples, at};
+    return better;
+  };
+  const int coarse = std::max(1, filter.order() / 8);
+  if (width > 0.0) {
+    const int near = delay_at(filter, width);
+    take(near);
+    search_width(filter, near, coarse, time, best);
+    return best;
+  }
+  int middle = filter.order() / 2;
+  for (int delay = 0; delay <= filter.order() && !deadline_.over(); delay += coarse) {
+    if (take(delay)) middle = delay;
+  }
+  search_width(filter, middle, coarse / 2, time, best);
+  return best;
+}
+
+TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough) const {
   const std::optional<Filter> behind = command(set);
   if (!behind) return {};
   const Filter& filter = *behind;
-  const ControlDelays control = planned_control(*task_.settings, guess.best.width);
+  const ControlDelays control = planned_control(*task_.settings, guessed);
   // Without a plan that holds there is no answer: one takes its time even if there is none left.
   constexpr double for_one = 0.5;  // s
   const Deadline until = thorough && deadline_.over() && !deadline_.asked_to_end() ? Deadline(for_one) : deadline_;
-  TimedSetting best{planned(filter, control, until), guess.best.width};
+  TimedSetting best{planned(filter, control, until), guessed};
   if (control.any() || !has_widths()) return best;
   const auto time = [&](const ControlDelays& with) { return planned(filter, with, deadline_); };
-  int nearest = filter.order();
-  while (nearest > 0 && width_of(filter, nearest) < guess.best.width * (1.0 - 1e-9)) --nearest;
+  int nearest = delay_at(filter, guessed);
   const int coarse = std::max(1, filter.order() / 8);
   for (int delay = 0; thorough && !(best.samples < unlimited) && delay <= filter.order(); delay += coarse) {
     if (deadline_.over()) break;

@@ -32,17 +32,18 @@ class SettingsTrials {
   /// The members that start and stop at the program's highest feed within the weakest axis' limits.
   std::vector<SettableMember> at_feed(const SettableMembers& members) const;
 
-  struct Guess {
-    double any = unlimited;  ///< samples, with delays of any number of samples
-    TimedSetting best{};     ///< with the delays of the control, at the width that suits it best
-  };
-  /// Every corner by itself at the programmed feeds, or the first schedule of chosen feeds. A plan also mends what is
-  /// broken where moves overlap. That takes a hundred times as long, and makes the program slower.
-  Guess guess(const Filter& set) const;
+  /// Samples guessed, with delays of any number of samples. At the programmed feeds every corner is by itself; else it
+  /// is the first schedule of chosen feeds. A plan also mends what is broken where moves overlap. That takes longer,
+  /// and makes the program slower.
+  double any(const Filter& set) const;
+  /// The same with the delays of the control, at the width that suits it best.
+  /// @param any    of the same filter
+  /// @param width  m, near which it is looked for; 0: all widths are
+  TimedSetting guess(const Filter& set, double any, double width) const;
 
-  /// Planned with the guess's width and those around it.
-  /// @param thorough  if the guess's width does not do, widths of all sizes are planned
-  TimedSetting plan(const Filter& set, const Guess& guess, bool thorough) const;
+  /// Planned with a width and those around it.
+  /// @param thorough  if this width does not do, widths of all sizes are planned
+  TimedSetting plan(const Filter& set, double width, bool thorough) const;
 
  private:
   double planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const;
@@ -50,8 +51,11 @@ class SettingsTrials {
   /// The filter of the command, behind the control's own smoothing; none if it excites a mode too much.
   std::optional<Filter> command(const Filter& set) const;
   bool has_widths() const;
+  bool guesses_kept() const;  ///< at the programmed feeds, too
   /// In the middle of the widths that give this delay at the fastest corner.
   double width_of(const Filter& filter, int delay) const;
+  /// The delay of the fastest corner with a width.
+  int delay_at(const Filter& filter, double width) const;
   template <class Time>
   void search_width(const Filter& filter, int from, int step, const Time& time, TimedSetting& best) const;
 

@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/free/shorten.hpp>
 #include <accdec/simulate/command_stream.hpp>
@@ -112,13 +114,13 @@ FreeSamples joined(const FreePath& free, const FreeSamples& motion, const std::v
 class Sweep {
  public:
   Sweep(const FreePath& free, const FreeSamples& motion, std::vector<FreePart> parts, const FreeOptions& options,
-        const Deadline& deadline, double gained)
+        const Deadline& deadline, FreeProgress begun)
       : free_(free),
         motion_(motion),
         parts_(std::move(parts)),
         options_(options),
         deadline_(deadline),
-        gained_(gained),
+        progress_(std::move(begun)),
         shortened_(parts_.size()) {}
 
   FreeSamples run(FreeReport& report) {
@@ -141,9 +143,9 @@ class Sweep {
       if (over()) return;
       shortened_[i] = shorten(free_, motion_, parts_[i], window_of(parts_[i]), [this] { return over(); });
       const std::lock_guard lock(mutex_);
-      gained_ += static_cast<double>(shortened_[i].saved) * free_.period;
-      if (options_.progress)
-        options_.progress(gained_, static_cast<double>(++done_) / static_cast<double>(parts_.size()));
+      progress_.gained += static_cast<double>(shortened_[i].saved) * free_.period;
+      progress_.share = static_cast<double>(++done_) / static_cast<double>(parts_.size());
+      if (options_.progress) options_.progress(progress_);
     }
   }
   /// Long windows where joints are rare: what is gained at one moves the samples of the whole leg.
@@ -158,7 +160,7 @@ class Sweep {
   const std::vector<FreePart> parts_;
   const FreeOptions& options_;
   const Deadline& deadline_;
-  double gained_;
+  FreeProgress progress_;
   std::vector<ShortenedPart> shortened_;
   std::atomic<std::size_t> next_ = 0;
   std::size_t done_ = 0;
@@ -173,8 +175,10 @@ FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeO
   const std::size_t n = free.dimensions(), start = motion.count(n);
   for (; report.sweeps < options.sweeps; ++report.sweeps) {
     const std::size_t before = motion.count(n);
-    Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options, deadline,
-                static_cast<double>(start - before) * free.period);
+    FreeProgress begun{.stage = fmt::format("sweep {} over the samples", report.sweeps + 1),
+                       .gained = static_cast<double>(start - before) * free.period};
+    if (options.progress) options.progress(begun);
+    Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options, deadline, std::move(begun));
     motion = sweep.run(report);
     report.ended = deadline.over();
     const std::size_t saved = before - motion.count(n);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -15,6 +16,7 @@
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/verify/motion_proof.hpp>
 #include <accdec/plan/verify/program_departure.hpp>
 #include <accdec/plan/verify/verify_delay_kinds.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
@@ -62,6 +64,26 @@ void estimate_again(const ProgramRecord& record, const Toolpath& programmed, Pro
   }
 }
 
+/// Finds again how much the multipliers of the bound for any motion prove, by code that did not seek them.
+void check_motion_proof(const ProgramRecord& record, const Toolpath& programmed, RecordCheck& check) {
+  if (!record.result.corner_bound || record.result.corner_bound->proofs.empty()) return;
+  const CornerBound& bound = *record.result.corner_bound;
+  const Machine machine = program_machine(record.task.machine, programmed);
+  try {
+    const double proved = proved_time(programmed, machine, record.result.sample_period, bound.proofs);
+    if (!(std::abs(proved - bound.proved) <= 1e-9 * proved))
+      check.reasons.push_back(fmt::format(
+          "any_motion_proof.time_s is recorded as {:.12g}, its multipliers prove {:.12g}", bound.proved, proved));
+    if (proved > bound.any_motion * (1.0 + 1e-6))
+      check.reasons.push_back(
+          fmt::format("bounds: any motion is recorded as {:.12g} s, but any_motion_proof proves {:.12g} s",
+                      bound.any_motion, proved));
+    check.proved_bound = proved;
+  } catch (const std::invalid_argument& error) {
+    check.reasons.push_back(fmt::format("any_motion_proof: {}", error.what()));
+  }
+}
+
 /// Holds the commands against the program, and makes what is recorded of it again.
 void compare_with_program(const ProgramRecord& record, Toolpath programmed, ProgramResultCheck& check) {
   const ProgramInputs& in = record.inputs;
@@ -89,7 +111,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   if (record.filter_bound) found.filter_bound = filter_lower_bound(programmed, machine, found.sample_period);
   // How many corners count is known before any linear program. Arcs may have been read again, finer.
   if (programmed.arcs.empty() && programmed.blocks() <= several_plans_max)
-    found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, 0.0);
+    found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, Deadline(0.0));
 }
 
 /// If the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
@@ -109,7 +131,7 @@ const std::vector<std::string> of_the_program{"blocks",        "straight_moves",
 
 RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, std::string shown) {
   reasons.insert(reasons.end(), compared.reasons.begin(), compared.reasons.end());
-  return {std::move(reasons), std::move(compared.skipped), std::move(shown)};
+  return {std::move(reasons), std::move(compared.skipped), std::move(shown), 0.0};
 }
 
 RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
@@ -126,11 +148,17 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   if (record.filters)
     skip.insert(skip.end(),
                 {"leg_filters", "cycle_time_one_filter_s", "corners.exact_stops", "corners.raised_by_overlap"});
+  RecordCheck proof;
+  if (programmed) check_motion_proof(record, *programmed, proof);
+  check.reasons.insert(check.reasons.end(), proof.reasons.begin(), proof.reasons.end());
   if (programmed) compare_with_program(record, std::move(*programmed), check);
   if (record.schema == ProgramSchema::program_2) find_other_rules(record, check.found);
   check.found.worst_shown = record.result.worst_shown;
   check.found.today = record.result.today;
-  return with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown));
+  RecordCheck all =
+      with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown));
+  all.proved_bound = proof.proved_bound;
+  return all;
 }
 
 /// As accdec.profiles/1 left room beside arcs for their chords.
@@ -161,7 +189,7 @@ RecordCheck check_program_record(std::string_view text, const ProgramRecord& rec
                                  std::optional<Toolpath> programmed) {
   if (record.schema != ProgramSchema::profiles_1) return check_plan(text, record, std::move(programmed));
   if (programmed) return check_planned_again(text, record, std::move(*programmed));
-  return {{"accdec.profiles/1 holds no motion, and the program cannot be read to plan it again"}, {}, ""};
+  return {{"accdec.profiles/1 holds no motion, and the program cannot be read to plan it again"}, {}, "", 0.0};
 }
 
 }  // namespace accdec

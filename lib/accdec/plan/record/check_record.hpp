@@ -14,6 +14,7 @@ struct RecordCheck {
   std::vector<std::string> reasons;  ///< why the result is not accepted; empty: it is
   std::vector<std::string> skipped;  ///< members that nobody compared
   std::string shown;                 ///< what was made again, in words
+  double proved_bound = 0.0;         ///< s: no motion within the tolerances is faster, by any_motion_proof; 0: none
 };
 
 /// Makes the motion of a result's plan again (verify_program_result), holds the plan against the program, and compares

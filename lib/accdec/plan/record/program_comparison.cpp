@@ -308,6 +308,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   recorded.erase("inputs");
   recorded.erase("commands");
   recorded.erase("settings");
+  recorded.erase("any_motion_proof");
   const Json answer = recorded.contains("answer") ? recorded["answer"] : Json();  // older results have none
   recorded.erase("answer");
   recorded.erase("today_s");

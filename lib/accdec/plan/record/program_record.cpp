@@ -19,6 +19,7 @@
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/record/motion_proof_json.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 #include <accdec/plan/record/recorded_corner_bound.hpp>
@@ -94,6 +95,10 @@ class Reader {
     r.delay_total = json_["delay_total_s"].number();
     r.lower_bound = json_["lower_bound_s"].number();
     r.corner_bound = recorded_corner_bound(json_);
+    if (json_.has("any_motion_proof")) {
+      if (!r.corner_bound) json_["any_motion_proof"].fail("belongs to `corner_bound`, which is missing");
+      read_motion_proof(json_["any_motion_proof"], *r.corner_bound);
+    }
     r.corners = json_["corners"]["count"].integer<std::size_t>();
     r.worst_error = json_["corners"]["worst_error_m"].number();
     for (const Value& limit : json_["limits"].elements()) r.check.limits.push_back(limit_use(limit));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/record/motion_proof_json.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
@@ -99,6 +100,8 @@ std::string program_to_json(const ProgramResult& result, const ProgramInputs& in
   if (!result.settings && result.today) text += ",\n  \"today_s\": " + program_today_json(result).dump();
   if (!result.settings && !program_answer(result).empty())
     text += ",\n  \"answer\": " + Json(program_answer(result)).dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (result.corner_bound && !result.corner_bound->proofs.empty())
+    text += ",\n  \"any_motion_proof\": " + motion_proof_to_json(*result.corner_bound).dump();
   text += ",\n  \"inputs\": " + inputs_json(inputs).dump(-1, ' ', false, Json::error_handler_t::replace);
   const bool all = result.plan.path.blocks() <= recorded_blocks_max;
   return text + ",\n  \"commands\": " + (all ? commands_json(result).dump() : std::string("null")) + "\n}\n";

@@ -11,11 +11,12 @@ namespace accdec {
 inline std::optional<CornerBound> recorded_corner_bound(const Value& json) {
   if (!json.has("corner_bound_s") || !json.has("corner_bound")) return {};
   const Value counts = json["corner_bound"];
-  CornerBound bound{.time = json["corner_bound_s"].number(),
-                    .corners = counts["corners"].integer<std::size_t>(),
-                    .counted = counts["counted"].integer<std::size_t>(),
-                    .classes = counts["classes"].integer<std::size_t>(),
-                    .complete = counts["complete"].boolean()};
+  CornerBound bound;
+  bound.time = json["corner_bound_s"].number();
+  bound.corners = counts["corners"].integer<std::size_t>();
+  bound.counted = counts["counted"].integer<std::size_t>();
+  bound.classes = counts["classes"].integer<std::size_t>();
+  bound.complete = counts["complete"].boolean();
   if (!json.has("bounds")) return bound;
   for (const Value& named : json["bounds"].elements()) {
     if (named["name"].text() != "any motion") continue;

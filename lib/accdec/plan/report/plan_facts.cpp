@@ -7,6 +7,7 @@
 
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -39,7 +40,7 @@ bool rests_after(const Plan& plan, std::size_t block) {
   if (plan.path.joint[block] == Joint::stop) return true;
   const FilteredCommand* command = plan.command();
   if (command == nullptr) return !plan.trajectory()->is_free() && plan.trajectory()->chain.stops(block + 1);
-  return command->delays[block] >= std::max(1, exact_stop_of(command->filter));
+  return command->delays[block] >= std::max(1, exact_stop_delay(command->filter));
 }
 
 std::size_t blocks_of(const Toolpath& programmed) {

@@ -37,7 +37,7 @@ void SampleTable::put(const double* position, const double* velocity) {
     if (unit_ > 0.0)
       fmt::format_to(std::back_inserter(text_), ",{}", in_units(position[a], unit_));
     else
-      fmt::format_to(std::back_inserter(text_), ",{:.9f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
+      fmt::format_to(std::back_inserter(text_), ",{:.12f},{:.6f}", position[a] * 1e3, velocity[a] * 1e3);
   }
 }
 
@@ -77,7 +77,7 @@ void write_samples(const ProgramResult& result, std::ostream& out) {
 void stream_row(const Toolpath& path, const double* position, std::ostream& out, double unit) {
   for (std::size_t a = 0; a < path.dimensions(); ++a) {
     out << (a == 0 ? "" : " ")
-        << (unit > 0.0 ? fmt::format("{}", in_units(position[a], unit)) : fmt::format("{:.9f}", position[a] * 1e3));
+        << (unit > 0.0 ? fmt::format("{}", in_units(position[a], unit)) : fmt::format("{:.12f}", position[a] * 1e3));
   }
   out << std::endl;  // the controller waits for it
 }

@@ -11,6 +11,7 @@
 #include <accdec/plan/run/along_plan.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/verify/motion_proof.hpp>
 
 namespace accdec {
 PlanTime time_of(const ProgramResult& r) {
@@ -19,8 +20,10 @@ PlanTime time_of(const ProgramResult& r) {
           r.verification.feasible ? "" : r.verification.worst};
 }
 
-void require_plan(const ProgramResult& result) {
-  if (result.plan.empty()) throw std::invalid_argument(result.message + "; give --time-limit longer");
+void require_plan(const ProgramResult& result, const Deadline& deadline) {
+  if (!result.plan.empty()) return;
+  const char* const instead = deadline.asked_to_end() ? "; nothing is written" : "; give --time-limit longer";
+  throw std::invalid_argument(result.message + instead);
 }
 
 ProgramResult plan_profiles_of(PlanningProblem problem) {
@@ -34,12 +37,20 @@ ProgramResult plan_profiles_of(PlanningProblem problem) {
 CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool thorough) {
   const Machine machine = program_machine(task.machine, path);
   const double left = deadline.left(), limit = left < unlimited ? std::max(0.0, 0.15 * left) : 10.0;
-  CornerBound bound = program_corner_bound(path, machine, task.sample_period, limit);
+  CornerBound bound = program_corner_bound(path, machine, task.sample_period, deadline.within(limit));
   // A plan needs a short time more than its bound.
   const double for_motions = left < unlimited ? limit : 3.0 * limit;
-  const AnyMotionBound any =
-      any_motion_bound(path, machine, task.sample_period, thorough ? for_motions : limit, thorough);
+  AnyMotionBound any =
+      any_motion_bound(path, machine, task.sample_period, deadline.within(thorough ? for_motions : limit), thorough);
   bound.any_motion = any.time, bound.any_motion_complete = any.complete;
+  // Long proofs take as much time as a plan to check, and more room than it.
+  constexpr std::size_t proof_blocks_max = 10'000;
+  if (!any.proofs.empty() && path.blocks() <= proof_blocks_max) {
+    bound.proofs = std::move(any.proofs);
+    bound.proved = proved_time(path, machine, task.sample_period, bound.proofs);
+  }
+  // It finds the least sum of multipliers closer than their search does.
+  bound.any_motion = std::max(bound.any_motion, bound.proved);
   bound.time = std::max(bound.time, bound.any_motion);
   return bound;
 }
@@ -68,7 +79,9 @@ ProgramResult faster_plan(const ProgramFile& file, const Task& task, const Progr
   profiles.reading = file.reading;
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
-  const bool late = !several || options.deadline.over();
+  // A plan of one filter for a short program takes less time than its bound did.
+  constexpr std::size_t always_several = 2000;  // blocks
+  const bool late = !several || (options.deadline.over() && file.path.blocks() > always_several);
   if (late && holds) return profiles;
   std::optional<AlongPlan> along;
   if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
@@ -76,7 +89,7 @@ ProgramResult faster_plan(const ProgramFile& file, const Task& task, const Progr
   ProgramResult& best = along ? along->result : profiles;
   if (along) along->result.candidates = {time_of(profiles)};
   if (other.plan.empty()) {
-    require_plan(best);
+    require_plan(best, options.deadline);
     return std::move(best);
   }
   const PlanTime mine = time_of(best), theirs = time_of(other);

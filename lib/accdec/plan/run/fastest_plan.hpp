@@ -11,7 +11,7 @@ namespace accdec {
 PlanTime time_of(const ProgramResult& result);
 
 /// @throws std::invalid_argument with the result's message if it has no plan: then there is nothing to print
-void require_plan(const ProgramResult& result);
+void require_plan(const ProgramResult& result, const Deadline& deadline);
 
 /// Plan profiles, or a faster one. Programs of up to `several_plans_max` blocks are also planned with one filter, and
 /// their arcs by a motion along them (plan free). The answer is the fastest of the plans that hold all limits, with the

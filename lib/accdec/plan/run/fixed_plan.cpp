@@ -119,31 +119,6 @@ void offer_kept(std::optional<ProgramFile> straight, const Task& task, const Pro
   result.solver.wall_time = wall_time;
 }
 
-/// The time of the program with delays of any number of samples, and the better of two filters: one designed for it, or
-/// the control's own.
-std::optional<double> time_of_free_taps(const ProgramResult& result, const Toolpath& programmed, const Task& task,
-                                        const ProgramFileOptions& options) {
-  constexpr double longest = 10.0;  // s, for the filter, and as long for the plan
-  Task any = task;
-  any.settings.reset(), any.filter.reset();
-  ProgramFileOptions bounded = options;
-  bounded.time_limit = std::min(2.0 * std::min(longest, filter_seconds(programmed, options)), options.deadline.left());
-  bounded.deadline = options.deadline.within(*bounded.time_limit);
-  const ProgramFilter designed = filter_for_program(programmed, any, bounded, {});
-  std::optional<double> best;
-  const auto offer = [&](const std::optional<Filter>& filter) {
-    if (!filter || bounded.deadline.over()) return;
-    const ProgramResult plan =
-        run_program({result.program, programmed, any, options.fixed.feeds, bounded.deadline}, *filter);
-    if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
-  };
-  offer(designed.filter);
-  offer(make_filter(result.settings->chosen.filter));
-  // The plan with the settings is one of free taps.
-  if (best && result.verification.feasible) best = std::min(*best, result.cycle_time);
-  return best;
-}
-
 /// Adds the settings, with how the control gives the delays.
 void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task& task) {
   result.settings = choice.settings;
@@ -221,9 +196,33 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   if (choice.settings) say_settings(result, choice, task);
   if (result.plan.empty() || !says) return result;
   say_today(result, programmed, task, options);
-  if (families && !options.deadline.over())
-    result.settings->free_taps = time_of_free_taps(result, programmed, task, options);
   return result;
+}
+
+/// The time of the program with delays of any number of samples: as a task without a control plans it, or with the
+/// taps of the settings, whichever is faster.
+std::optional<double> time_of_free_taps(const ProgramResult& result, const ProgramFile& file, const Task& task,
+                                        const ProgramFileOptions& options) {
+  constexpr double longest = 10.0;  // s, for the filter
+  constexpr double with_plans = 5.0;
+  Task any = task;
+  any.settings.reset(), any.filter.reset();
+  ProgramFileOptions bounded = options;
+  const double seconds = std::min(longest, filter_seconds(file.path, options));
+  bounded.time_limit = 2.0 * seconds;
+  bounded.deadline = options.deadline.within(std::min(with_plans * seconds, options.deadline.left()));
+  std::optional<double> best;
+  const auto take = [&best](const ProgramResult& plan) {
+    if (plan.verification.feasible) best = std::min(best.value_or(unlimited), plan.cycle_time);
+  };
+  // The plan with the settings is one of free taps.
+  take(result);
+  const Filter own = make_filter(result.settings->chosen.filter);
+  take(run_program({file.name, file.path, any, options.fixed.feeds, bounded.deadline}, own));
+  if (bounded.deadline.over()) return best;
+  const ProgramFilter designed = filter_for_program(file.path, any, bounded, {});
+  if (designed.filter && !bounded.deadline.over()) take(plan_as_read(file, designed, any, bounded));
+  return best;
 }
 
 /// How a program with arcs commanded as they are compares with one that widens them.
@@ -246,7 +245,12 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
     return none;
   }
   if (tell) tell("planning and simulating");
-  return plan_as_read(std::move(file), choice, task, options);
+  const bool settings = choice.settings && task.settings->names_family() && file.path.blocks() <= several_plans_max;
+  const ProgramFile read = settings ? file : ProgramFile{};
+  ProgramResult result = plan_as_read(std::move(file), choice, task, options);
+  if (settings && !result.plan.empty() && !options.deadline.over())
+    result.settings->free_taps = time_of_free_taps(result, read, task, options);
+  return result;
 }
 
 }  // namespace

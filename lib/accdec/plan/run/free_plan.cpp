@@ -108,12 +108,12 @@ AlongPlan with_fastest_legs(AlongPlan begun, const ProgramResult& profiles, cons
 ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Machine& machine,
                         const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
+  options.free.tell("legs from stop to stop");
   begun = with_fastest_legs(std::move(begun), profiles, tube, options.deadline, tell);
   FreeReport coarse;
   FreeSamples splines = with_coarse_runs(tube, begun.samples, options.free, options.deadline, coarse);
   begun = if_faster(std::move(begun), std::move(splines), profiles, tube, "windows of splines by interior point", tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
-  if (report.ended && tell) tell("ended early with the best motion so far");
   ProgramResult result = with_samples(profiles, begun.samples);
   const std::string broken = judge_free_motion(result, machine);
   if (!broken.empty() && tell) tell("plan free was refused by the check of its samples: " + broken);
@@ -134,7 +134,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   require_positions(task, file.path, "plan free");
   require_free(task, file.path);
   const auto start = std::chrono::steady_clock::now();
-  if (tell) tell("plan profiles, which the free motion begins with");
+  options.free.tell("plan profiles");
   const double chords = file.reading.read.arc_tolerance;
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
   ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
@@ -147,7 +147,11 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   }
   // One filter may be faster than profiles, and than any motion that was found.
   const bool only = profiles.plan.empty() || !profiles.verification.feasible;
-  if (!fixed) fixed = fixed_beside(file, task, options, only);
+  if (!fixed) {
+    options.free.tell("plan fixed");
+    fixed = fixed_beside(file, task, options, only);
+  }
+  options.free.tell("bounds");
   if (bound.valid()) profiles.corner_bound = bound.get();
   ProgramResult* const beside = fixed ? &*fixed : nullptr;
   const auto answer = [&](ProgramResult result) {
@@ -158,7 +162,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
       if (tell) tell("plan fixed is faster than the free motion that was found");
     }
     if (beside) result.candidates.push_back(time_of(*beside));
-    require_plan(result);
+    require_plan(result, options.deadline);
     result.solver.wall_time = seconds_since(start);
     return result;
   };
@@ -171,8 +175,12 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   ProgramResult unchecked;  // plan profiles without a plan, if the time ended before its check
   if (profiles.plan.empty()) unchecked = profiles, unchecked.plan = {file.path, Trajectory{}};
   const ProgramResult& first = profiles.plan.empty() ? unchecked : profiles;
+  options.free.tell("motions along arcs");
   std::optional<AlongPlan> begun = fastest_samples(first, beside, task, options.deadline);
-  if (!begun) return answer(std::move(profiles));
+  if (!begun) {
+    if (tell) tell("no plan has samples that keep to their legs");
+    return answer(std::move(profiles));
+  }
   ProgramResult result = shortened(first, std::move(*begun), machine, options, tell);
   if (options.fixed.compensate_arcs)
     result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";

@@ -12,6 +12,7 @@
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/task/blend_limits.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -90,7 +91,7 @@ OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample
   OtherRules times;
   std::vector<int> none = pairwise_delays(path, filter, sample_period, machine, DelayRule::none).delays;
   // Plans stop as briefly as this where it does.
-  const int stop = exact_stop_of(filter);
+  const int stop = exact_stop_delay(filter);
   for (int& delay : none) delay = std::min(delay, stop);
   times.no_delay =
       static_cast<double>(motion_samples(CommandTiming(path, sample_period, none), filter)) * sample_period;

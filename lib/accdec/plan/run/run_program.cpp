@@ -23,6 +23,7 @@
 #include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate/simulate.hpp>
+#include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -177,7 +178,7 @@ class Planning {
     if (!feeds_chosen) limit_rapids(plan.path, filter_, task_.sample_period, machine_);
     std::vector<int> delays(path.blocks(), 0);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      if (path.joint[b] == Joint::stop) delays[b] = exact_stop_of(filter_);
+      if (path.joint[b] == Joint::stop) delays[b] = exact_stop_delay(filter_);
     }
     for (const auto& [block, delay] : path.given_delays) {
       delays[block] = static_cast<int>(std::lround(std::min(delay / task_.sample_period, 1e9)));
@@ -202,7 +203,7 @@ class Planning {
     plan.plan.errors_hold = true;
   }
   std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays) const {
-    const int least = exact_stop_of(filter_);
+    const int least = exact_stop_delay(filter_);
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
       if (path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
     }

@@ -74,7 +74,7 @@ class DelayKindsCheck {
       wrong(fmt::format("line {}: the control's exact stop waits {} samples at most, not {}", path_.line[b], most,
                         command_.delays[b]));
   }
-  int apart() const { return filter_.last_nonzero_tap() - filter_.first_nonzero_tap(); }
+  int apart() const { return filter_.order(); }
 
   void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
     const auto allowed = control_of(*task_.settings, 0.0).kinds;

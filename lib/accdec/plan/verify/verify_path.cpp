@@ -155,16 +155,16 @@ UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double
   std::map<std::size_t, double> left;  // by kept sample
   for (const Together& event : together(raw, path, period, axis, filter.order() - filter.first_nonzero_tap())) {
     if (event.of_axis.empty()) continue;
-    const std::int64_t begin = event.of_axis.front().first, end = event.of_axis.back().first;
-    RawChanges changes{std::vector<double>(static_cast<std::size_t>(end - begin) + 1, 0.0), {}};
-    for (const auto& [sample, by] : event.of_axis) changes.hits[static_cast<std::size_t>(sample - begin)] += by;
+    const std::int64_t end = event.of_axis.back().first;
+    RawChanges changes{event.of_axis, {}};
     std::set<std::int64_t> judged(event.before_corners.begin(), event.before_corners.end());
     judged.insert(end);
-    for (const std::int64_t sample : judged) changes.judged.push_back(static_cast<std::size_t>(sample - begin));
+    for (std::size_t k = 0; k < event.of_axis.size(); ++k)
+      if (judged.contains(event.of_axis[k].first)) changes.judged.push_back(k);
     const LimitUse worst = verified_residual(changes, filter, mode, period);
     const std::vector<double> each = displacements_left(changes, filter, worst.frequency, worst.damping, period);
     for (std::size_t i = 0; i < each.size(); ++i) {
-      const std::int64_t at = begin + static_cast<std::int64_t>(changes.judged[i]) + filter.order();
+      const std::int64_t at = event.of_axis[changes.judged[i]].first + filter.order();
       double& there = left[static_cast<std::size_t>(command.kept(at))];
       there = std::max(there, each[i]);
     }
