@@ -111,7 +111,9 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
   options.free.tell("legs from stop to stop");
   begun = with_fastest_legs(std::move(begun), profiles, tube, options.deadline, tell);
   FreeReport coarse;
-  FreeSamples splines = with_coarse_runs(tube, begun.samples, options.free, options.deadline, coarse);
+  // A run by splines may be refused as a whole, as where the time ends before all its windows were solved.
+  const Deadline half = options.deadline.within(0.5 * options.deadline.left());
+  FreeSamples splines = with_coarse_runs(tube, begun.samples, options.free, half, coarse);
   begun = if_faster(std::move(begun), std::move(splines), profiles, tube, "windows of splines by interior point", tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   ProgramResult result = with_samples(profiles, begun.samples);
