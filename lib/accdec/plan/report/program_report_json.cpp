@@ -35,6 +35,7 @@ Json limits_json(const ProgramResult& result) {
     if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
     if (use.kind == LimitKind::residual && turns > 0) item["smooth_turns_judged_at_ends"] = turns;
+    if (use.kind == LimitKind::residual) item["left_at_end"] = number(in_si * left_at_end(result, use));
     list.push_back(std::move(item));
   }
   return list;
