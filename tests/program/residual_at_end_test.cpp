@@ -44,7 +44,7 @@ TEST_F(ResidualAtTheEnd, ResultsSayWhatAllMovesTogetherLeave) {
   const double w = 2.0 * M_PI * f, h = 1e-3 / 200;
   double y = 0.0, u = 0.0, before = 0.0, x = 0.0, last = 0.0;
   for (bool first = true; std::getline(rows, row); first = false) {
-    std::sscanf(row.c_str(), "%*lf,%lf", &x);
+    std::sscanf(row.c_str(), "%*f,%lf", &x);
     const double velocity = first ? 0.0 : (x - last) / 1.0;  // mm/ms is m/s
     for (int i = 0; i < 200; ++i) {
       const double ym = y + 0.5 * h * u, um = u - 0.5 * h * (2.0 * damping * w * u + w * w * y);
