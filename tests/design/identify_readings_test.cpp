@@ -39,8 +39,8 @@ double difference(const MotionLog& log, const FittedFilter& fit) {
   return std::sqrt(squares / static_cast<double>(count));
 }
 
-/// Averages and a move are factors of one product. A move of 15 behind 40 and 10 is one of 40 behind 15 and 10. It is
-/// also one of 10 behind 40 and 15.
+/// Averages and a move are factors of one product. A move of 15 behind 40 and 10 is one of 40 behind 15 and 10, and one
+/// of 10 behind 40 and 15. One sample of 0.1 um tells nothing of them; neighbours are far behind.
 TEST(IdentifyReadings, AMoveMayBeShorterThanAnAverage) {
   const double noise = 1e-7;
   const std::vector<std::pair<std::vector<int>, int>> all{{{40, 10}, 15}, {{15, 10}, 40}, {{40, 15}, 10}};

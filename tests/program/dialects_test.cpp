@@ -21,6 +21,14 @@ TEST(ForeignWords, AreNamedWithTheirDialect) {
   EXPECT_THAT(foreign_words("G1 X50. ,R2."), HasSubstr("rounds a corner"));
   EXPECT_THAT(foreign_words("$H"), HasSubstr("GRBL"));
   EXPECT_THAT(foreign_words("%TEST G71 *"), HasSubstr("HEIDENHAIN ISO"));
+  EXPECT_THAT(foreign_words("G83 X10 Z-9 R2 Q3 K2"), HasSubstr("FANUC G83 repeats the cycle K times: write L"));
+  EXPECT_EQ(foreign_words("G83 X10 Z-9 R2 Q3 L2"), "");
+  EXPECT_THAT(foreign_words("M97 P100"), HasSubstr("Haas M97"));
+  EXPECT_THAT(foreign_words("G150 P1"), HasSubstr("Haas G150 mills a pocket: let the post-processor"));
+  EXPECT_THAT(foreign_words("N40 G98 L1 *"), HasSubstr("HEIDENHAIN ISO G98L begins a subroutine"));
+  EXPECT_EQ(foreign_words("G98 G81 X1 Z-1 R1 L3"), "");
+  EXPECT_THAT(foreign_words("G200 Q200=2"), HasSubstr("HEIDENHAIN ISO Q200= defines a cycle"));
+  EXPECT_THAT(foreign_words("D00 Q1 P01 +5"), HasSubstr("LinuxCNC writes #1 = 5"));
   EXPECT_THAT(foreign_words("BEGIN PGM TEST MM"), HasSubstr("have it written in ISO"));
   EXPECT_THAT(foreign_words("5 L X+10 Y+10 F600"), HasSubstr("HEIDENHAIN's own language L moves along a line"));
   EXPECT_THAT(foreign_words("C X+10 Y+0 DR-"), HasSubstr("HEIDENHAIN's own language DR-"));

@@ -8,7 +8,9 @@
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/split_blocks.hpp>
 #include <accdec/plan/run/other_rules.hpp>
+#include <accdec/program.hpp>
 
 #include "program_command.hpp"
 #include "reference.hpp"
@@ -62,6 +64,40 @@ TEST(OtherRules, SaysOfExactStopsWhatTheirSimulationFinds) {
   }
   EXPECT_GT(held, 20);
   EXPECT_GT(broken, 20);
+}
+
+// A block in two pieces of one feed is one block: the operator's exact stops are at its end alone.
+TEST(OtherRules, StepsOfTheFeedAreNoStops) {
+  const Machine machine = test::machine_of(3.0, unlimited, 1.0, 3);
+  const Toolpath path = test::path_of(test::random_program(3, 200), machine);
+  std::vector<FeedPiece> pieces;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    double length2 = 0.0;
+    for (std::size_t a = 0; a < 3; ++a) length2 += std::pow(path.point(b + 1)[a] - path.point(b)[a], 2);
+    const double half = 0.5 * std::sqrt(length2);
+    const auto block = static_cast<std::uint32_t>(b);
+    for (int i = 0; i < 2; ++i) pieces.push_back({block, half, 2.0 * half / path.duration[b], 0.0});
+  }
+  const OtherRules whole = other_rules(path, boxcar(7), test::period, machine);
+  const OtherRules split = other_rules(split_blocks(path, pieces), boxcar(7), test::period, machine);
+  EXPECT_DOUBLE_EQ(split.exact_stop, whole.exact_stop);
+  EXPECT_DOUBLE_EQ(split.no_delay, whole.no_delay);
+  EXPECT_EQ(split.breaks.empty(), whole.breaks.empty());
+}
+
+// The exact stops of a long program take the time that their simulation takes, even if it ends early at a broken limit.
+TEST(OtherRules, LongProgramsThatBeginBrokenAreNotSimulatedToTheirEnd) {
+  const Machine machine = test::machine_of(0.5, unlimited, 1.0, 3);
+  const Toolpath path = test::path_of(test::random_program(5, 210'000), machine);
+  ASSERT_GT(path.blocks(), several_plans_max);
+  const Filter filter = boxcar(7);
+  const OtherRules times = other_rules(path, filter, test::period, machine);
+  EXPECT_THAT(times.breaks, testing::StartsWith("acceleration"));
+  std::vector<int> delays = pairwise_delays(path, filter, test::period, machine, DelayRule::exact_stop).delays;
+  for (int& delay : delays) delay += delay > 0 ? 1 : 0;
+  const ProgramPlan plan = check_program(path, filter, test::period, machine, delays);
+  EXPECT_FALSE(all_holds(plan));
+  EXPECT_DOUBLE_EQ(times.exact_stop, static_cast<double>(plan.simulation.samples) * test::period);
 }
 
 // From rest to rest, steps of a tau every tau through an average of tau take L/v + v/a. That is 0.3 s for 20 mm at

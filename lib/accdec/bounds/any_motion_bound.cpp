@@ -61,14 +61,18 @@ struct Section {
   std::optional<MotionProof> proof{};
 };
 
-/// The work that may still be done.
+/// The work that may still be done. Linear programs leave a part of the time to weights, whose bounds are proved.
 struct WorkLeft {
-  Effort effort;
-  Deadline deadline;
+  static constexpr double of_programs = 0.4;
+  Effort effort{};
+  Deadline deadline, programs;
   bool complete = true;
+  WorkLeft() = default;
+  WorkLeft(const Effort& most, const Deadline& until)
+      : effort(most), deadline(until), programs(until.within(of_programs * until.left())) {}
   /// Whether work that is wanted may be done, where its number allows it.
-  bool more(bool number) {
-    const bool left = number && !deadline.over();
+  bool more(bool number, const Deadline& until) {
+    const bool left = number && !until.over();
     complete = complete && left;
     return left;
   }
@@ -90,7 +94,7 @@ class MotionBound {
   /// Raises the bounds of the sections to what is found here. Linear programs are solved once, whatever the effort.
   /// @returns whether all that was wanted was done
   bool raise(std::vector<Section>& sections, const Effort& effort, const Deadline& deadline) {
-    work_ = {effort, deadline};
+    work_ = WorkLeft(effort, deadline);
     if (!(slack_.wider < unlimited)) return true;
     std::size_t i = 0;
     for (std::size_t first = 0; first < path_.blocks(); ++i) {
@@ -199,7 +203,7 @@ class MotionBound {
       for (Leg& leg : legs_) leg.least = std::max(leg.least, leg.way + leg.first_loss + leg.last_loss);
     }
     best = std::max(best, window_bound(path_, machines_[0], slack_.wider, first, last, &swing_times_));
-    const auto time_left = [this] { return work_.more(true); };
+    const auto time_left = [this] { return work_.more(true, work_.deadline); };
     best =
         std::max(best, kernel_bound(path_, machines_[0], slack_.wider, first, last, work_.effort.kernels, time_left));
     std::vector<WeightLeg> legs;
@@ -252,7 +256,7 @@ class MotionBound {
   }
   /// Whether that many linear programs may be solved.
   bool more(std::size_t programs) {
-    const bool left = work_.more(programs_left_ >= programs);
+    const bool left = work_.more(programs_left_ >= programs, work_.programs);
     if (left) programs_left_ -= programs;
     return left;
   }

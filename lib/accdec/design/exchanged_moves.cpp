@@ -38,8 +38,9 @@ class Exchanger {
       if (length < shortest_move || length >= count) continue;
       // The legs would overlap.
       if (fit.first.back() != fit.first.front() && fit.first.back() - fit.first.front() < length) continue;
-      offer(member, length, count, member.reading.ends);
-      if (length < shortest_of_parts) continue;
+      const bool parts = length >= shortest_of_parts;
+      if (parts || member.reading.ends == Ends::whole) offer(member, length, count, member.reading.ends);
+      if (!parts) continue;
       // A move with a shorter last step is no average, whose length can only be near.
       for (const Ends ends : {Ends::last, Ends::both}) {
         for (const int near : {count - 1, count, count + 1}) offer(member, length, near, ends);

@@ -244,7 +244,7 @@ class Identifier {
     fitted.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};
     fitted.parameters = trimmed.order() + 1;
-    fitted.rms = window_.figure(result.fit, fitted.parameters);
+    fitted.rms = window_.figure(trimmed, result.fit, fitted.parameters);
     fitted.moves = moves_of(result.fit);
     return result;
   }
@@ -301,7 +301,7 @@ class Identifier {
       filters.push_back(filter);
       c.fitted.sigmas = std::sqrt(worse);
       c.fitted.likelihood = std::exp(-0.5 * worse);
-      c.fitted.rms = window_.figure(fit, c.fitted.parameters);
+      c.fitted.rms = window_.figure(filter, fit, c.fitted.parameters);
       sum += c.fitted.likelihood;
       fits.push_back(c.fitted);
     }

@@ -2,8 +2,17 @@
 
 #include <accdec/plan/delays/joint_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
+namespace {
+
+/// Blocks of one line of the program are one for the operator: chords of an arc, and steps of the feed on a line.
+bool inside_line(const Toolpath& path, std::size_t b) {
+  return path.inside_arc[b] != 0 || (path.joint[b] == Joint::straight && path.line[b] == path.line[b + 1]);
+}
+
+}  // namespace
 
 PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                                DelayRule rule) {
@@ -18,7 +27,7 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, doubl
   // All joints except corners come first: delays of smooth joints decide where runs end, and so how much feeds are
   // lowered. Unlowered feeds are the worse case.
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    if (path.joint[b] == Joint::stop || (rule == DelayRule::exact_stop && path.inside_arc[b] == 0)) {
+    if (path.joint[b] == Joint::stop || (rule == DelayRule::exact_stop && !inside_line(path, b))) {
       delays[b] = joints.stop(b);
     } else if (path.joint[b] != Joint::corner && rule == DelayRule::smallest) {
       delays[b] = joints.smooth(b);

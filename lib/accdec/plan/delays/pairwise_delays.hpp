@@ -11,7 +11,7 @@ namespace accdec {
 /// The rule for delays.
 enum class DelayRule {
   smallest,    ///< the smallest delays within the tolerances
-  exact_stop,  ///< an exact stop at every joint except those inside arcs
+  exact_stop,  ///< an exact stop at every joint except those inside arcs and between steps of the feed
   none         ///< none except where the program stops
 };
 

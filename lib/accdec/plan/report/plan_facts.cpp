@@ -1,12 +1,18 @@
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <iterator>
+#include <numbers>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
+#include <accdec/plan/report/samples.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
@@ -45,6 +51,63 @@ bool rests_after(const Plan& plan, std::size_t block) {
 
 std::size_t blocks_of(const Toolpath& programmed) {
   return static_cast<std::size_t>(std::count(programmed.inside_arc.begin(), programmed.inside_arc.end(), 0));
+}
+
+std::size_t smooth_turns(const Toolpath& path) {
+  return static_cast<std::size_t>(std::count(path.joint.begin(), path.joint.end(), Joint::smooth));
+}
+
+std::string judged_at_ends(const ProgramResult& result) {
+  std::set<std::string> axes;
+  for (const LimitUse& use : result.check.limits) {
+    if (use.kind == LimitKind::residual) axes.insert(use.axis);
+  }
+  const std::size_t turns = smooth_turns(result.plan.path);
+  if (axes.empty() || turns == 0) return "";
+  return fmt::format("{} of {}: judged at the ends of arcs and other smooth turns, not inside them ({} points)",
+                     to_string(LimitKind::residual), fmt::join(axes, ", "), turns);
+}
+
+double left_at_end(const ProgramResult& result, const LimitUse& use) {
+  if (result.plan.empty()) return 0.0;
+  const Toolpath& path = result.plan.path;
+  std::size_t axis = 0;
+  while (axis + 1 < path.dimensions() && path.axis_name(axis) != use.axis) ++axis;
+  const double natural = 2.0 * std::numbers::pi * use.frequency;
+  const double damped = natural * std::sqrt((1.0 - use.damping) * (1.0 + use.damping));
+  const std::complex<double> turn = result.sample_period * std::complex<double>(-use.damping * natural, damped);
+  // The motion passes the free vibration x' + i x of the mode on from sample to sample; a change of velocity adds to
+  // x'.
+  std::complex<double> swing = 0.0;
+  double velocity = 0.0;
+  std::int64_t before = 0;
+  const auto look = [&](std::int64_t k, const double*, const double* velocities) {
+    swing = swing * std::exp(turn * static_cast<double>(k - before)) + (velocities[axis] - velocity);
+    velocity = velocities[axis], before = k;
+  };
+  visit_samples(result, look, Steady::passed);
+  return std::abs(swing - velocity) / damped;
+}
+
+std::vector<std::string> left_at_end(const ProgramResult& result) {
+  std::vector<std::string> lines;
+  for (const LimitUse& use : result.check.limits) {
+    if (use.kind != LimitKind::residual) continue;
+    const auto [unit, per_si] = limit_unit(use.kind, use.axis);
+    const double left = left_at_end(result, use);
+    lines.push_back(fmt::format("{} of {} after the program's end, all moves together: {:.6g} {} at {:.6g} Hz{}",
+                                to_string(use.kind), use.axis, per_si * left, unit, use.frequency,
+                                left > use.bound * (1.0 + verification_tolerance)
+                                    ? ", above the bound, which judges starts, corners and stops alone"
+                                    : ""));
+  }
+  return lines;
+}
+
+bool rings_at_end(const ProgramResult& result) {
+  return std::ranges::any_of(result.check.limits, [&](const LimitUse& use) {
+    return use.kind == LimitKind::residual && left_at_end(result, use) > use.bound * (1.0 + verification_tolerance);
+  });
 }
 
 double largest_widening(const Toolpath& path) {

@@ -22,6 +22,22 @@ std::vector<std::string> control_needs(const ProgramResult& result);
 /// Blocks of a path as it was read; the chords of an arc are one.
 std::size_t blocks_of(const Toolpath& programmed);
 
+/// Smooth turns of a path, such as those between the chords of arcs. Behind them the motion does not go on evenly, so
+/// an amplitude that a mode of an axis keeps is judged at the ends of such turns, not inside them.
+std::size_t smooth_turns(const Toolpath& path);
+
+/// The same in words, with the axes whose modes' amplitudes are limited; empty: there is no such turn or no such limit.
+std::string judged_at_ends(const ProgramResult& result);
+
+/// The amplitude, m, that all moves together leave a mode of an axis with after the last sample. Every change of the
+/// axis' velocity counts, with its phase. The bound judges a start, a corner or a stop without what rang before it.
+/// @param use  of the mode's bound: its axis, and the frequency and damping at which the bound is used most
+double left_at_end(const ProgramResult& result, const LimitUse& use);
+/// The same of every such bound in words, a line each.
+std::vector<std::string> left_at_end(const ProgramResult& result);
+/// Whether one of them is above its bound.
+bool rings_at_end(const ProgramResult& result);
+
 /// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double largest_widening(const Toolpath& path);
 

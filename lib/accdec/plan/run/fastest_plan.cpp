@@ -36,12 +36,13 @@ ProgramResult plan_profiles_of(PlanningProblem problem) {
 
 CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool thorough) {
   const Machine machine = program_machine(task.machine, path);
-  const double left = deadline.left(), limit = left < unlimited ? std::max(0.0, 0.15 * left) : 10.0;
+  // Bounds of motions that are free take longer than those of legs, and are mostly larger.
+  const double of_legs = thorough ? 0.05 : 0.15, of_motions = thorough ? 0.25 : 0.15, longest = 10.0;
+  const double left = deadline.left(), part = std::max(0.0, left), limit = left < unlimited ? of_legs * part : longest;
   CornerBound bound = program_corner_bound(path, machine, task.sample_period, deadline.within(limit));
   // A plan needs a short time more than its bound.
-  const double for_motions = left < unlimited ? limit : 3.0 * limit;
-  AnyMotionBound any =
-      any_motion_bound(path, machine, task.sample_period, deadline.within(thorough ? for_motions : limit), thorough);
+  const double for_motions = left < unlimited ? of_motions * part : thorough ? 3.0 * longest : longest;
+  AnyMotionBound any = any_motion_bound(path, machine, task.sample_period, deadline.within(for_motions), thorough);
   bound.any_motion = any.time, bound.any_motion_complete = any.complete;
   // Long proofs take as much time as a plan to check, and more room than it.
   constexpr std::size_t proof_blocks_max = 10'000;

@@ -9,6 +9,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/run/other_rules.hpp>
+#include <accdec/program.hpp>
 #include <accdec/simulate/sample_check.hpp>
 #include <accdec/simulate/simulate.hpp>
 #include <accdec/task/blend_limits.hpp>
@@ -68,10 +69,11 @@ bool stops_surely_hold(const Toolpath& path, const Filter& filter, double sample
   return true;
 }
 
-/// Whether the first blocks break a limit. Then all of them do, and need not be simulated to know it.
-bool begins_broken(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                   const std::vector<int>& delays) {
-  if (machine.axes.empty()) return false;
+/// The limit that the first blocks break most; empty if they hold all. If they break one, all of them do, and need not
+/// be simulated to know it.
+std::string broken_at_first(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                            const std::vector<int>& delays) {
+  if (machine.axes.empty()) return "";
   const CommandTiming timing(path, sample_period, delays);
   const std::size_t last = timing.run_end(path.blocks() / 16);
   std::vector<double> errors(path.blocks(), 0.0);
@@ -82,7 +84,8 @@ bool begins_broken(const Toolpath& path, const Filter& filter, double sample_per
   options.motion = behind.servo();
   const Simulation first = simulate_program(timing, filter, 0, last, errors, options);
   // The motion at the end of the last of them depends on what follows it.
-  return !first.broken.empty() && first.broken.front() < last;
+  const bool broken = !first.broken.empty() && first.broken.front() < last;
+  return broken ? broken_most(first.limits) : "";
 }
 
 }  // namespace
@@ -93,20 +96,29 @@ OtherRules other_rules(const Toolpath& path, const Filter& filter, double sample
   // Plans stop as briefly as this where it does.
   const int stop = exact_stop_delay(filter);
   for (int& delay : none) delay = std::min(delay, stop);
-  times.no_delay =
-      static_cast<double>(motion_samples(CommandTiming(path, sample_period, none), filter)) * sample_period;
+  const auto seconds_with = [&](const std::vector<int>& delays) {
+    return static_cast<double>(motion_samples(CommandTiming(path, sample_period, delays), filter)) * sample_period;
+  };
+  times.no_delay = seconds_with(none);
   std::vector<int> delays = pairwise_delays(path, filter, sample_period, machine, DelayRule::exact_stop).delays;
   if (stops_surely_hold(path, filter, sample_period, machine)) {
-    times.exact_stop =
-        static_cast<double>(motion_samples(CommandTiming(path, sample_period, delays), filter)) * sample_period;
+    times.exact_stop = seconds_with(delays);
     return times;
   }
   for (const int more : {0, 1}) {
     for (int& delay : delays) delay += delay > 0 ? more : 0;
-    if (more == 0 && begins_broken(path, filter, sample_period, machine, delays)) continue;
+    const bool part = more == 0 || path.blocks() > several_plans_max;
+    std::string limit = part ? broken_at_first(path, filter, sample_period, machine, delays) : "";
+    if (more == 0 && !limit.empty()) continue;
+    if (!limit.empty()) {
+      times.exact_stop = seconds_with(delays);
+      times.breaks = std::move(limit);
+      break;
+    }
     const ProgramPlan plan = check_program(path, filter, sample_period, machine, delays, false);
     times.exact_stop = static_cast<double>(plan.simulation.samples) * sample_period;
-    const std::string limit = broken_most(plan.simulation.limits), tolerance = tolerance_broken_most(path, plan);
+    limit = broken_most(plan.simulation.limits);
+    const std::string tolerance = tolerance_broken_most(path, plan);
     times.breaks = limit + (limit.empty() || tolerance.empty() ? "" : " and ") + tolerance;
     if (limit.empty()) break;
   }

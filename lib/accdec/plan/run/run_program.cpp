@@ -92,8 +92,9 @@ class Planning {
   }
   /// Programs too long to be planned twice in any case are planned at the programmed feeds, too, if that may be faster.
   void compare_kept(const Toolpath& path) {
-    if (kept_ || deadline_.over() || least_kept(path) >= best_.plan.simulation.samples) return;
-    if (!slower_in_parts(path)) keep(path, true);
+    // Parts of the program are planned sooner than the least delays of all of it are found.
+    if (kept_ || deadline_.over() || slower_in_parts(path)) return;
+    if (least_kept(path) < best_.plan.simulation.samples) keep(path, true);
   }
   /// Offers a plan at the programmed feeds that held when the filter was chosen, if the time ended since.
   void as_known(const Toolpath& path, const KnownPlan& known) {

@@ -94,7 +94,7 @@ struct Leg {
   double radius = 0.0, feed = 0.0;   // m; m/s
 };
 
-/// The time that one leg adds, as a function of its time h.
+/// A part of the time that one leg adds, as a function of its time h.
 class LegSum {
  public:
   LegSum(const Continuous& motion, const Leg& leg, const MotionProof::Leg* before, const MotionProof::Leg* after)

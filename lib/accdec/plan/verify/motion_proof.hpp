@@ -7,8 +7,8 @@
 namespace accdec {
 
 /// The time that multipliers prove for any motion of a program, s. THEORY.md, "Weights of a whole motion", derives the
-/// sum whose least value this is. The code that seeks the multipliers takes no part. The path, its tubes and the least
-/// value are found by other formulas, here by bisection of the times of every leg.
+/// sum whose least value this is. The code that seeks the multipliers takes no part. The path and its tubes are made
+/// again here, and the least value is found by bisection of the times of every leg.
 ///
 /// The motion lies in the tubes that TubeCheck keeps samples in, and is no faster than it allows. Sections without
 /// multipliers count nothing.
