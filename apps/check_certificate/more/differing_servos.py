@@ -23,7 +23,7 @@ def lag(table, period):
 
 
 def leaves_line(lags, speeds, most):
-    """Whether the place behind the command surely is farther than this from the line: its part along the line is off."""
+    """Whether the place behind the command surely is farther than this from the line. Its part along it is off."""
     behind, feed2 = [x * exact(late) for x, late in zip(speeds, lags)], sum(x * x for x in speeds)
     along = sum(x * b for x, b in zip(speeds, behind)) / feed2
     off = [b - x * along for x, b in zip(speeds, behind)]

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -68,46 +69,73 @@ std::string judged_at_ends(const ProgramResult& result) {
                      to_string(LimitKind::residual), fmt::join(axes, ", "), turns);
 }
 
-double left_at_end(const ProgramResult& result, const LimitUse& use) {
-  if (result.plan.empty()) return 0.0;
-  const Toolpath& path = result.plan.path;
-  std::size_t axis = 0;
-  while (axis + 1 < path.dimensions() && path.axis_name(axis) != use.axis) ++axis;
-  const double natural = 2.0 * std::numbers::pi * use.frequency;
-  const double damped = natural * std::sqrt((1.0 - use.damping) * (1.0 + use.damping));
-  const std::complex<double> turn = result.sample_period * std::complex<double>(-use.damping * natural, damped);
-  // The motion passes the free vibration x' + i x of the mode on from sample to sample; a change of velocity adds to
-  // x'.
-  std::complex<double> swing = 0.0;
-  double velocity = 0.0;
-  std::int64_t before = 0;
-  const auto look = [&](std::int64_t k, const double*, const double* velocities) {
-    swing = swing * std::exp(turn * static_cast<double>(k - before)) + (velocities[axis] - velocity);
-    velocity = velocities[axis], before = k;
-  };
-  visit_samples(result, look, Steady::passed);
-  return std::abs(swing - velocity) / damped;
+namespace {
+
+/// A mode's free vibration as x' + i x. The motion passes it on from sample to sample; a change of velocity adds to x'.
+class Swing {
+ public:
+  Swing(const ProgramResult& result, const LimitUse& use) {
+    const Toolpath& path = result.plan.path;
+    while (axis_ + 1 < path.dimensions() && path.axis_name(axis_) != use.axis) ++axis_;
+    const double natural = 2.0 * std::numbers::pi * use.frequency;
+    damped_ = natural * std::sqrt((1.0 - use.damping) * (1.0 + use.damping));
+    turn_ = result.sample_period * std::complex<double>(-use.damping * natural, damped_);
+  }
+  void pass(double samples, const double* velocities) {
+    state_ = state_ * std::exp(turn_ * samples) + (velocities[axis_] - velocity_);
+    velocity_ = velocities[axis_];
+  }
+  /// m, if the motion stops now.
+  double amplitude() const { return std::abs(state_ - velocity_) / damped_; }
+
+ private:
+  std::size_t axis_ = 0;
+  double damped_ = 0.0, velocity_ = 0.0;
+  std::complex<double> turn_, state_ = 0.0;
+};
+
+bool above_bound(const LimitUse& use, double left) {
+  return left > use.bound * (1.0 + verification_tolerance);
 }
 
-std::vector<std::string> left_at_end(const ProgramResult& result) {
+}  // namespace
+
+std::vector<double> left_at_end(const ProgramResult& result) {
+  const std::vector<LimitUse>& limits = result.check.limits;
+  std::vector<double> left(limits.size(), 0.0);
+  std::vector<std::pair<std::size_t, Swing>> swings;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    if (limits[i].kind == LimitKind::residual) swings.emplace_back(i, Swing(result, limits[i]));
+  }
+  if (swings.empty() || result.plan.empty()) return left;
+  std::int64_t before = 0;
+  const auto look = [&](std::int64_t k, const double*, const double* velocities) {
+    for (auto& [i, swing] : swings) swing.pass(static_cast<double>(k - before), velocities);
+    before = k;
+  };
+  visit_samples(result, look, Steady::passed);
+  for (const auto& [i, swing] : swings) left[i] = swing.amplitude();
+  return left;
+}
+
+std::vector<std::string> left_at_end_in_words(const ProgramResult& result, const std::vector<double>& left) {
   std::vector<std::string> lines;
-  for (const LimitUse& use : result.check.limits) {
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const LimitUse& use = result.check.limits[i];
     if (use.kind != LimitKind::residual) continue;
     const auto [unit, per_si] = limit_unit(use.kind, use.axis);
-    const double left = left_at_end(result, use);
-    lines.push_back(fmt::format("{} of {} after the program's end, all moves together: {:.6g} {} at {:.6g} Hz{}",
-                                to_string(use.kind), use.axis, per_si * left, unit, use.frequency,
-                                left > use.bound * (1.0 + verification_tolerance)
-                                    ? ", above the bound, which judges starts, corners and stops alone"
-                                    : ""));
+    lines.push_back(fmt::format(
+        "{} of {} after the program's end, all moves together: {:.6g} {} at {:.6g} Hz{}", to_string(use.kind), use.axis,
+        per_si * left[i], unit, use.frequency,
+        above_bound(use, left[i]) ? ", above the bound, which judges starts, corners and stops alone" : ""));
   }
   return lines;
 }
 
-bool rings_at_end(const ProgramResult& result) {
-  return std::ranges::any_of(result.check.limits, [&](const LimitUse& use) {
-    return use.kind == LimitKind::residual && left_at_end(result, use) > use.bound * (1.0 + verification_tolerance);
-  });
+bool rings_at_end(const ProgramResult& result, const std::vector<double>& left) {
+  for (std::size_t i = 0; i < left.size(); ++i)
+    if (above_bound(result.check.limits[i], left[i])) return true;
+  return false;
 }
 
 double largest_widening(const Toolpath& path) {
