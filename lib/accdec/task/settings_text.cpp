@@ -131,14 +131,15 @@ std::string milliseconds(double seconds) {
 /// The time that free taps would take, or at least take.
 std::string beside_taps(const DesignResult& result) {
   const double time = result.objective();
+  const std::string taps = free_taps_in_words(result.task.settings ? &*result.task.settings : nullptr);
   const auto part = [&](double other) { return fmt::format("{:.1f} %", 100.0 * (time - other) / time); };
   if (result.free_taps && result.lower_bound && *result.free_taps <= *result.lower_bound * (1.0 + 1e-9)) {
-    if (*result.free_taps >= time * (1.0 - 1e-9)) return " Free taps are not faster.";
-    return fmt::format(" Free taps would take {} ({} less).", milliseconds(*result.free_taps), part(*result.free_taps));
+    if (*result.free_taps >= time * (1.0 - 1e-9)) return fmt::format(" {} are not faster.", taps);
+    return fmt::format(" {} would take {} ({} less).", taps, milliseconds(*result.free_taps), part(*result.free_taps));
   }
   std::string text;
   if (result.free_taps && *result.free_taps < time * (1.0 - 1e-9))
-    text = fmt::format(" Free taps would take {} ({} less) or less.", milliseconds(*result.free_taps),
+    text = fmt::format(" {} would take {} ({} less) or less.", taps, milliseconds(*result.free_taps),
                        part(*result.free_taps));
   if (result.lower_bound && *result.lower_bound < time * (1.0 - 1e-9))
     text += fmt::format(" No filter takes less than {} ({} less).", milliseconds(*result.lower_bound),
@@ -156,6 +157,10 @@ std::string rounded(double value, int digits, double (*whole)(double)) {
 }
 
 }  // namespace
+
+std::string free_taps_in_words(const ControllerSettings* control) {
+  return control == nullptr || control->any_delay() ? "Free taps" : "Free taps with delays of any number of samples";
+}
 
 std::string families_in_words(const ControllerSettings& settings) {
   std::vector<std::string> families;

@@ -117,6 +117,7 @@ class MemberSearch {
     before_.insert(planned_.begin(), planned_.end());
     result.tried = static_cast<long>(before_.size());
     result.complete = passed && members_.listed();
+    if (today_) result.today = members_.chosen(*today_), result.is_today = today_->key() == best_->key();
     return result;
   }
 
@@ -124,7 +125,11 @@ class MemberSearch {
   /// @param today  null if there is none
   void search(const FilterSpec* today) {
     if (today != nullptr) {
-      for (const SettableMember& member : members_.like(*today)) offer(member);
+      const Filter own = make_filter(*today);
+      for (const SettableMember& member : members_.like(*today)) {
+        if (!today_ && std::ranges::equal(make_filter(member.spec).taps(), own.taps())) today_ = member;
+        offer(member);
+      }
     }
     // One that holds at all feeds shows early which others are not faster.
     for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
@@ -219,7 +224,7 @@ class MemberSearch {
   MemberGuesses guesses_;
   std::set<std::vector<int>> planned_, before_;  // before: with fewer kinds of delays
   int late_ = 0;                                 // planned after the time was over
-  std::optional<SettableMember> best_;
+  std::optional<SettableMember> best_, today_;
   TimedSetting time_;
 };
 
@@ -302,14 +307,15 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
 
 namespace {
 
-std::string beside_free_taps(double free, double time) {
-  const double less = time - free;
-  if (!(less > 1e-9 * time)) return " With free taps, no faster plan was found.";
-  return fmt::format(" Free taps would take {:.6g} s ({:.1f} % less) or less.", free, 100.0 * less / time);
+std::string beside_free_taps(const ProgramSettings& settings, double time) {
+  const double free = *settings.free_taps, less = time - free;
+  const std::string taps = free_taps_in_words(settings.control.get());
+  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
+  return fmt::format(" {} would take {:.6g} s ({:.1f} % less) or less.", taps, free, 100.0 * less / time);
 }
 
 std::string beside_today(const ProgramResult& result) {
-  if (!result.today) return "";
+  if (!result.today || (result.settings && result.settings->is_today)) return "";
   const double today = *result.today, saved = today - result.cycle_time;
   if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
   std::string text = fmt::format(" Today's setting takes {:.6g} s; ", today);
@@ -323,7 +329,8 @@ std::string beside_today(const ProgramResult& result) {
 std::string program_settings_answer(const ProgramResult& result) {
   const ProgramSettings& settings = *result.settings;
   const double time = result.cycle_time;
-  std::string text = fmt::format("Set these: {}", settings_in_words(settings.chosen));
+  std::string text = fmt::format("{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
+                                 settings_in_words(settings.chosen));
   if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
   for (const DelayKindName& kind : delay_kinds) {
     const auto count = std::count(settings.chosen.delays.begin(), settings.chosen.delays.end(), kind.kind);
@@ -336,9 +343,14 @@ std::string program_settings_answer(const ProgramResult& result) {
   else
     text += settings.complete
                 ? fmt::format("no other of {} settings is planned faster.", settings.members)
-                : fmt::format("the fastest of those tried: {} of {}{} settings planned; time limit.", settings.tried,
-                              settings.members, settings.members >= SettableMembers::most ? " or more" : "");
-  if (settings.free_taps) text += beside_free_taps(*settings.free_taps, time);
+                : fmt::format("the fastest of those tried: {} of {}{} settings planned; {}.", settings.tried,
+                              settings.members, settings.members >= SettableMembers::most ? " or more" : "",
+                              settings.search_limit
+                                  ? fmt::format("the search ended after {:.3g} s, --time-limit gives it half of its "
+                                                "seconds",
+                                                *settings.search_limit)
+                                  : "time limit");
+  if (settings.free_taps) text += beside_free_taps(settings, time);
   return text + beside_today(result) + "\n";
 }
 
