@@ -33,7 +33,7 @@ std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result);
 
 /// The answer to a task of a controller, for its user: what to set, the time and what is proved about it. It also says
 /// what free taps would do and what the design saves against today's setting. A line or two; empty if the task says
-/// nothing of a control (families, kinds of delays, a smoothing of its own).
+/// nothing of a control (families, kinds of delays, a smoothing of its own, whole coefficients).
 std::string settings_answer(const DesignResult& result);
 
 }  // namespace accdec

@@ -117,7 +117,7 @@ class MemberSearch {
     before_.insert(planned_.begin(), planned_.end());
     result.tried = static_cast<long>(before_.size());
     result.complete = passed && members_.listed();
-    if (today_) result.today = members_.chosen(*today_), result.is_today = today_->key() == best_->key();
+    if (today_) result.today = members_.chosen(*today_);
     return result;
   }
 
@@ -125,11 +125,9 @@ class MemberSearch {
   /// @param today  null if there is none
   void search(const FilterSpec* today) {
     if (today != nullptr) {
-      const Filter own = make_filter(*today);
-      for (const SettableMember& member : members_.like(*today)) {
-        if (!today_ && std::ranges::equal(make_filter(member.spec).taps(), own.taps())) today_ = member;
-        offer(member);
-      }
+      today_ = members_.same(*today);
+      if (today_) offer(*today_);
+      for (const SettableMember& member : members_.like(*today)) offer(member);
     }
     // One that holds at all feeds shows early which others are not faster.
     for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
@@ -255,6 +253,11 @@ const FilterSpec* todays_filter(const Task& task) {
   return task.baseline ? &*task.baseline : nullptr;
 }
 
+bool is_todays(const Task& task, const Filter& filter) {
+  const FilterSpec* const today = todays_filter(task);
+  return today != nullptr && same_taps(filter, make_filter(*today));
+}
+
 double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
                          const Deadline& deadline) {
   if (task.settings->any_delay() || !task.settings->names(DelayKind::in_position)) return 0.0;
@@ -307,6 +310,20 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
 
 namespace {
 
+/// The settings looked at, and the limit that ended the search.
+std::string what_was_tried(const ProgramSettings& settings) {
+  if (settings.complete) return fmt::format("no other of {} settings is planned faster.", settings.members);
+  // Half of --time-limit goes to the search.
+  const std::string ended = settings.search_limit
+                                ? fmt::format(
+                                      "The search ended by its own limit of {:.3g} s; --time-limit {:.0f} "
+                                      "searches twice as long.",
+                                      *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
+                                : "The time limit ended the search; a longer one plans more.";
+  return fmt::format("the fastest of those tried: {} of {}{} settings planned. {}", settings.tried, settings.members,
+                     settings.members >= SettableMembers::most ? " or more" : "", ended);
+}
+
 std::string beside_free_taps(const ProgramSettings& settings, double time) {
   const double free = *settings.free_taps, less = time - free;
   const std::string taps = free_taps_in_words(settings.control.get());
@@ -321,7 +338,7 @@ std::string beside_today(const ProgramResult& result) {
   std::string text = fmt::format(" Today's setting takes {:.6g} s; ", today);
   if (saved > 1e-9 * today)
     return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
-  return text + "retuning saves nothing.";
+  return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
 }
 
 }  // namespace
@@ -341,15 +358,7 @@ std::string program_settings_answer(const ProgramResult& result) {
   if (settings.chosen.family == SettingFamily::taps)
     text += "not proved best.";
   else
-    text += settings.complete
-                ? fmt::format("no other of {} settings is planned faster.", settings.members)
-                : fmt::format("the fastest of those tried: {} of {}{} settings planned; {}.", settings.tried,
-                              settings.members, settings.members >= SettableMembers::most ? " or more" : "",
-                              settings.search_limit
-                                  ? fmt::format("the search ended after {:.3g} s, --time-limit gives it half of its "
-                                                "seconds",
-                                                *settings.search_limit)
-                                  : "time limit");
+    text += what_was_tried(settings);
   if (settings.free_taps) text += beside_free_taps(settings, time);
   return text + beside_today(result) + "\n";
 }

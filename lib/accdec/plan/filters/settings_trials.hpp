@@ -13,8 +13,8 @@
 
 namespace accdec {
 
-/// s, that the plan of a setting has whatever the time limit: without a plan that holds there is no answer, and one
-/// that is cut short says little of the setting.
+/// s, that the plan of a setting has whatever the time limit. Without a plan that holds there is no answer. A plan that
+/// is cut short says little of the setting.
 inline constexpr double setting_seconds = 0.5;
 
 /// The deadline, or one that leaves the time for such a plan, unless the end is asked for.

@@ -4,6 +4,7 @@
 
 #include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 
@@ -63,7 +64,6 @@ Json program_settings_to_json(const ProgramResult& result) {
     json["tried"] = settings.tried;
     json["complete"] = settings.complete;
     if (settings.search_limit) json["search_limit_s"] = *settings.search_limit;
-    if (settings.is_today) json["is_today"] = true;
   }
   if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
   if (result.today) json["today_s"] = program_today_json(result);
@@ -87,7 +87,7 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
     settings.tried = json["tried"].integer<long>();
     settings.complete = json["complete"].boolean();
     if (json.has("search_limit_s")) settings.search_limit = json["search_limit_s"].number();
-    settings.is_today = json.has("is_today") && json["is_today"].boolean();
+    settings.is_today = result.plan.command() != nullptr && is_todays(task, result.plan.set());
   }
   settings.chosen.family = *family;
   for (const Value& value : json["values"].elements())

@@ -30,7 +30,11 @@ using Tell = std::function<void(const std::string&)>;
 /// s, for a filter. Small programs are not worth a minute.
 double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
   const double usual = std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks()));
-  return options.time_limit ? std::max(0.05, 0.5 * std::min(*options.time_limit, options.deadline.left())) : usual;
+  // The plan needs a part of what is left; bounds come behind it.
+  constexpr double part_of_limit = 0.5, part_of_left = 2.0 / 3.0;
+  return options.time_limit
+             ? std::max(0.05, std::min(part_of_limit * *options.time_limit, part_of_left * options.deadline.left()))
+             : usual;
 }
 
 /// s, for settings. A plan of each takes longer than an estimate of a filter.
@@ -39,6 +43,9 @@ double settings_seconds(const Toolpath& path, const ProgramFileOptions& options)
   const double filter = filter_seconds(path, options);
   return options.time_limit ? filter : std::min(most, longer * filter);
 }
+
+/// Blocks of programs that are planned with settings whatever the time limit.
+constexpr std::size_t at_once_max = 2'000;
 
 /// The task's filter, the filter in a program that --emit wrote, or one designed for the program with any delays. None
 /// if none holds; the message gives the reason.
@@ -73,7 +80,9 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
   if (task.settings && task.settings->names_family() && !emitted_one) {
     const double limit = settings_seconds(path, options);
-    ProgramFilter choice = settings_filter(path, task, keep, options.deadline.within(limit), tell);
+    const Deadline end = options.deadline.within(limit);
+    ProgramFilter choice =
+        settings_filter(path, task, keep, path.blocks() <= at_once_max ? with_one_plan(end) : end, tell);
     const bool own = !options.time_limit && !options.deadline.over();
     if (own && choice.settings && !choice.settings->complete) choice.settings->search_limit = limit;
     return choice;
@@ -139,6 +148,7 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task
     result.settings->chosen = as_settings(result.plan.set());  // of the plan at kept feeds, if that is the answer
   result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
   if (result.plan.empty()) return;
+  result.settings->is_today = is_todays(task, result.plan.set());
   const FilteredCommand& command = *result.plan.command();
   CommandDelays delays = command_delays(result.plan.path, command.filter, task.sample_period, command.delays);
   if (!task.settings->delays.empty()) result.settings->chosen.delays = std::move(delays.kinds);
@@ -149,9 +159,6 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task
   result.raised = raised_delays(result.plan.path, command.filter, task.sample_period, machine, command.delays);
 }
 
-/// Blocks of programs that are planned with two settings whatever the time limit.
-constexpr std::size_t at_once_max = 2'000;
-
 /// Adds the time that the program takes with today's setting of the task's control, if the task names one.
 void say_today(ProgramResult& result, const Toolpath& programmed, const Task& task, const ProgramFileOptions& options) {
   const FilterSpec* const today = todays_filter(task);
@@ -160,17 +167,19 @@ void say_today(ProgramResult& result, const Toolpath& programmed, const Task& ta
     return;
   }
   const bool short_one = task.settings->names_family() && programmed.blocks() <= at_once_max;
-  const Deadline deadline = short_one ? with_one_plan(options.deadline) : options.deadline;
-  if (today == nullptr || deadline.over()) return;
+  if (today == nullptr || (!short_one && options.deadline.over())) return;
   const Filter filter = make_filter(*today);
-  const Deadline until = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
+  const Deadline end = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
+  const Deadline until = short_one ? with_one_plan(end) : end;
   Toolpath path = programmed;
   path.control = planned_control(
       *task.settings, width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
+  const Deadline deadline = short_one ? with_one_plan(options.deadline) : options.deadline;
   const ProgramResult plan =
       run_program({result.program, std::move(path), task, options.fixed.feeds, deadline}, filter);
-  // A plan that was cut short says little of the setting.
-  if (!deadline.over()) result.today = plan.verification.feasible ? plan.cycle_time : unlimited;
+  const double time = plan.verification.feasible ? plan.cycle_time : unlimited;
+  // A plan that was cut short says little of the setting, unless it is the faster one.
+  if (!deadline.over() || time < result.cycle_time) result.today = time;
 }
 
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
@@ -253,10 +262,10 @@ std::optional<double> time_of_free_taps(const ProgramResult& result, const Progr
 ProgramResult keep_today(ProgramResult result, ProgramFilter choice, const ProgramFile& file, const Task& task,
                          const ProgramFileOptions& options) {
   const auto today = choice.settings->today;
-  if (!today || choice.settings->is_today || !(result.today.value_or(unlimited) < result.cycle_time)) return result;
+  if (!today || result.settings->is_today || !(result.today.value_or(unlimited) < result.cycle_time)) return result;
   const Deadline until = with_one_plan(options.deadline);
   const bool keep = options.fixed.feeds == Feeds::keep;
-  choice.settings->chosen = *today, choice.settings->is_today = true;
+  choice.settings->chosen = *today;
   choice.filter = make_filter(today->filter), choice.plan = {};
   choice.settings->width = width_for_program(file.path, task, *choice.filter, keep, until);
   ProgramResult kept = plan_as_read(file, choice, task, options);
