@@ -327,11 +327,10 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
 void add_planning(CLI::App& command, ProgramArguments& options) {
   options.file.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command
-      .add_option(
-          "--time-limit", options.file.time_limit,
-          "Seconds for the whole command; the search for a filter or for a control's settings gets half of those left "
-          "for the plan. Without this option, the search for a filter has 2 s plus 5 ms per block, that for settings "
-          "four times as long, each at most 60 s. The plan of what was found then takes as long as it needs")
+      .add_option("--time-limit", options.file.time_limit,
+                  "Seconds for the whole command; half of them goes to the search for a filter or for a control's "
+                  "settings. Without this option, it has 2 s plus 5 ms per block, at most "
+                  "60 s. The plan of what was found then takes as long as it needs")
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,

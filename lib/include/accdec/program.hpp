@@ -91,6 +91,7 @@ struct ProgramSettings {
   ChosenSettings chosen;
   double width = 0.0;                     ///< m, the in-position width that was planned with; 0: none
   long members = 0, tried = 0;            ///< settings that the families have; of these planned
+  long guessed = 0;                       ///< of these guessed from corners by themselves; most of those planned, too
   bool complete = false;                  ///< none of the others can be faster
   bool is_today = false;                  ///< the task's own setting is the fastest
   std::optional<double> search_limit{};   ///< s, that ended the search; none: complete, or the caller's time ended it
