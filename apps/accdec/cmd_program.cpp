@@ -329,7 +329,7 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
   command
       .add_option("--time-limit", options.file.time_limit,
                   "Seconds for the whole command; half of them goes to the search for a filter or for a control's "
-                  "settings. Without this option, it has 2 s plus 5 ms per block, at most "
+                  "settings. Without this option, the search has 2 s plus 5 ms per block, at most "
                   "60 s. The plan of what was found then takes as long as it needs")
       ->check(positive_number());
   command
