@@ -19,6 +19,7 @@
 #include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/cool_drives.hpp>
 #include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/run/quiet_rests.hpp>
 #include <accdec/plan/run/refused_keys.hpp>
 #include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/program.hpp>
@@ -65,6 +66,7 @@ class Planning {
     ProgramPlan plan = plan_program(base_, filter_, task_.sample_period, machine_, tune_curves, deadline_);
     ScheduledPlan kept{base_, std::move(plan)};
     snap(kept);
+    quieten(kept);
     base_.duration = kept.path.duration;
     kept_ = seconds(kept.plan);
     if (all_holds(kept.plan)) result_.cycle_time_kept = kept_;
@@ -130,12 +132,10 @@ class Planning {
   }
   /// Lowers all feeds where a drive would be warmer over the program than its rating.
   void cool() {
-    const auto check = [this](ScheduledPlan& plan) {
-      plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
-      settle(plan);
-    };
-    if (cool_drives(best_, filter_, task_.sample_period, machine_, check, deadline_))
-      result_.cycle_time_kept.reset();  // that plan was not held against the ratings
+    const auto again = [this](ScheduledPlan& plan) { check(plan); };
+    if (!cool_drives(best_, filter_, task_.sample_period, machine_, again, deadline_)) return;
+    result_.cycle_time_kept.reset();  // that plan was not held against the ratings
+    quieten(best_);
   }
   /// The plan as the result's.
   void take() {
@@ -251,6 +251,16 @@ class Planning {
   double seconds(const ProgramPlan& plan) const {
     return static_cast<double>(plan.simulation.samples) * task_.sample_period;
   }
+  /// Simulates a plan whose feeds or delays were changed.
+  void check(ScheduledPlan& plan) const {
+    plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
+    settle(plan);
+  }
+  /// Whether all moves together leave the modes of axes with no more than their bounds.
+  bool quieten(ScheduledPlan& plan) const {
+    const auto again = [this](ScheduledPlan& changed) { check(changed); };
+    return accdec::quieten(plan, filter_, task_.sample_period, machine_, again, deadline_);
+  }
   /// Delays as the control can give them, and whether it can.
   void settle(ScheduledPlan& plan) const {
     settle_delays(plan.path, filter_, task_.sample_period, machine_, plan.plan);
@@ -260,12 +270,15 @@ class Planning {
     relax_stops(plan);
     settle(plan);
     const bool first = best_.plan.delays.empty();
+    const bool slow = plan.plan.simulation.samples >= best_.plan.simulation.samples;
+    const bool quiet = (!first && quiet_ && slow) || quieten(plan);
     // If arcs are to be widened, a plan that widens them is better than a faster one that does not.
     const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
     const bool faster = plan.plan.simulation.samples < best_.plan.simulation.samples;
-    const bool better = all_holds(plan.plan) && (!all_holds(best_.plan) || (widened == had_widened ? faster : widened));
-    if (!first && !better) return;
+    const bool better = quiet != quiet_ ? quiet : widened == had_widened ? faster : widened;
+    if (!first && !(all_holds(plan.plan) && (!all_holds(best_.plan) || better))) return;
     best_ = std::move(plan);
+    quiet_ = quiet;
     result_.feeds_chosen = feeds_chosen;
   }
 
@@ -282,6 +295,7 @@ class Planning {
   Toolpath base_;               // planned at the programmed feeds
   std::optional<double> kept_;  // s, of that plan, which need not hold
   bool chosen_ = false;         // a plan of chosen feeds was found
+  bool quiet_ = false;          // the best plan is, see quieten
   bool delays_had_ = true;
   std::vector<int> alone_;
 };
