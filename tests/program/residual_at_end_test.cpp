@@ -95,7 +95,7 @@ TEST_F(ResidualAtTheEnd, AllMovesTogetherKeepTheBound) {
   EXPECT_THAT(read("out"), HasSubstr("residual of x after the program's end, all moves together"));
 }
 
-/// What rings on from a corner before an exact stop counts at that stop, and at the end.
+/// A corner before an exact stop rings on: that counts at the stop, and at the end.
 TEST_F(ResidualAtTheEnd, StopsBeforeTheEndAreJudgedToo) {
   const double f = 36.720977;
   const auto limit = residual(

@@ -44,8 +44,8 @@ class Swing {
   std::complex<double> turn_, step_, state_ = 0.0;
 };
 
-/// The frequencies and damping ratios of a mode at which all moves together are judged: where its bound is used most,
-/// and across its band as densely as the program's time asks for, up to `most` of them.
+/// The frequencies and damping ratios of a mode at which all moves together are judged. First comes where its bound is
+/// used most, then its band as densely as the program's time asks for, in up to `most` steps.
 std::vector<std::pair<double, double>> judged_at(const LimitUse& use, const Mode& mode, double time, double most) {
   std::vector<std::pair<double, double>> all{{use.frequency, use.damping}};
   const double width = mode.frequency_high - mode.frequency_low;

@@ -173,8 +173,8 @@ class Quietening {
     candidate.plan.delays = plan_.plan.delays;
     return candidate;
   }
-  /// Takes a change if the plan still holds, earlier rests are as quiet as they were, and no more is left at the rest
-  /// behind the block. @param most  of the bound
+  /// Takes a change if the plan still holds and earlier rests stay quiet.
+  /// @param most  that may be left at the rest behind the block, of the bound
   bool take(const Longer& longer, std::size_t block, double most) {
     ScheduledPlan candidate = copy();
     if (longer.delay)
