@@ -15,6 +15,7 @@
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/left_at_rest.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
@@ -47,7 +48,7 @@ std::string left_out_by_bounds(const Machine& machine) {
 
 class SummaryText {
  public:
-  explicit SummaryText(const ProgramResult& result) : result_(result), left_at_end_(left_at_end(result)) {}
+  explicit SummaryText(const ProgramResult& result) : result_(result), left_at_rest_(left_at_rest(result)) {}
 
   std::string write() {
     if (const std::string answer = program_answer(result_); !answer.empty()) put("{}\n", answer);
@@ -67,7 +68,7 @@ class SummaryText {
     put("\n");
     put("\n  {}{}{}\n",
         !result_.verification.feasible ? "NOT verified"
-                                       : "verified: every sample simulated, " + bounds_that_hold(result_, left_at_end_),
+                                       : "verified: every sample simulated, " + bounds_that_hold(left_at_rest_),
         result_.message.empty() ? "" : ": ", result_.message);
     return fmt::to_string(text_);
   }
@@ -241,7 +242,7 @@ class SummaryText {
                                            : fmt::format("line {}", use.line));
     }
     if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
-    for (const std::string& left : left_at_end_in_words(result_, left_at_end_)) put("  {}\n", left);
+    for (const std::string& left : left_at_rest_in_words(result_, left_at_rest_)) put("  {}\n", left);
     for (const AxisLoad& load : result_.loads) {
       const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",
@@ -251,7 +252,7 @@ class SummaryText {
   }
 
   const ProgramResult& result_;
-  const std::vector<double> left_at_end_;
+  const std::vector<LeftAtRest> left_at_rest_;
   fmt::memory_buffer text_;
 };
 
