@@ -329,8 +329,9 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
   command
       .add_option(
           "--time-limit", options.file.time_limit,
-          "Seconds for the whole command; if the task has no filter, its design gets half of them. Without this option "
-          "the design gets 2 s plus 5 ms per block, at most 60 s, and planning takes as long as it needs")
+          "Seconds for the whole command; the search for a filter or for a control's settings gets half of those left "
+          "for the plan. Without this option, the search for a filter has 2 s plus 5 ms per block, that for settings "
+          "four times as long, each at most 60 s. The plan of what was found then takes as long as it needs")
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,

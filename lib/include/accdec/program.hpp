@@ -89,9 +89,12 @@ struct FeedOverride {
 /// Settings of a control for one program. The kinds of the chosen settings are those of every block's end.
 struct ProgramSettings {
   ChosenSettings chosen;
-  double width = 0.0;           ///< m, the in-position width that was planned with; 0: none
-  long members = 0, tried = 0;  ///< settings that the families have; of these planned
-  bool complete = false;        ///< none of the others can be faster
+  double width = 0.0;                     ///< m, the in-position width that was planned with; 0: none
+  long members = 0, tried = 0;            ///< settings that the families have; of these planned
+  bool complete = false;                  ///< none of the others can be faster
+  bool is_today = false;                  ///< the task's own setting is the fastest
+  std::optional<double> search_limit{};   ///< s, that ended the search; none: complete, or the caller's time ended it
+  std::optional<ChosenSettings> today{};  ///< the task's own setting; none: it names none that can be set
   /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
   /// more than `several_plans_max` blocks, or after the deadline.
   std::optional<double> free_taps{};

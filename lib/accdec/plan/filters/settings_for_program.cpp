@@ -117,6 +117,7 @@ class MemberSearch {
     before_.insert(planned_.begin(), planned_.end());
     result.tried = static_cast<long>(before_.size());
     result.complete = passed && members_.listed();
+    if (today_) result.today = members_.chosen(*today_);
     return result;
   }
 
@@ -124,6 +125,8 @@ class MemberSearch {
   /// @param today  null if there is none
   void search(const FilterSpec* today) {
     if (today != nullptr) {
+      today_ = members_.same(*today);
+      if (today_) offer(*today_);
       for (const SettableMember& member : members_.like(*today)) offer(member);
     }
     // One that holds at all feeds shows early which others are not faster.
@@ -219,7 +222,7 @@ class MemberSearch {
   MemberGuesses guesses_;
   std::set<std::vector<int>> planned_, before_;  // before: with fewer kinds of delays
   int late_ = 0;                                 // planned after the time was over
-  std::optional<SettableMember> best_;
+  std::optional<SettableMember> best_, today_;
   TimedSetting time_;
 };
 
@@ -248,6 +251,11 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
 const FilterSpec* todays_filter(const Task& task) {
   if (task.filter && task.settings && task.settings->names_family()) return &*task.filter;
   return task.baseline ? &*task.baseline : nullptr;
+}
+
+bool is_todays(const Task& task, const Filter& filter) {
+  const FilterSpec* const today = todays_filter(task);
+  return today != nullptr && same_taps(filter, make_filter(*today));
 }
 
 double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
@@ -302,20 +310,35 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
 
 namespace {
 
-std::string beside_free_taps(double free, double time) {
-  const double less = time - free;
-  if (!(less > 1e-9 * time)) return " With free taps, no faster plan was found.";
-  return fmt::format(" Free taps would take {:.6g} s ({:.1f} % less) or less.", free, 100.0 * less / time);
+/// The settings looked at, and the limit that ended the search.
+std::string what_was_tried(const ProgramSettings& settings) {
+  if (settings.complete) return fmt::format("no other of {} settings is planned faster.", settings.members);
+  // Half of --time-limit goes to the search.
+  const std::string ended = settings.search_limit
+                                ? fmt::format(
+                                      "The search ended by its own limit of {:.3g} s; --time-limit {:.0f} "
+                                      "searches twice as long.",
+                                      *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
+                                : "The time limit ended the search; a longer one plans more.";
+  return fmt::format("the fastest of those tried: {} of {}{} settings planned. {}", settings.tried, settings.members,
+                     settings.members >= SettableMembers::most ? " or more" : "", ended);
+}
+
+std::string beside_free_taps(const ProgramSettings& settings, double time) {
+  const double free = *settings.free_taps, less = time - free;
+  const std::string taps = free_taps_in_words(settings.control.get());
+  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
+  return fmt::format(" {} would take {:.6g} s ({:.1f} % less) or less.", taps, free, 100.0 * less / time);
 }
 
 std::string beside_today(const ProgramResult& result) {
-  if (!result.today) return "";
+  if (!result.today || (result.settings && result.settings->is_today)) return "";
   const double today = *result.today, saved = today - result.cycle_time;
   if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
   std::string text = fmt::format(" Today's setting takes {:.6g} s; ", today);
   if (saved > 1e-9 * today)
     return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
-  return text + "retuning saves nothing.";
+  return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
 }
 
 }  // namespace
@@ -323,7 +346,8 @@ std::string beside_today(const ProgramResult& result) {
 std::string program_settings_answer(const ProgramResult& result) {
   const ProgramSettings& settings = *result.settings;
   const double time = result.cycle_time;
-  std::string text = fmt::format("Set these: {}", settings_in_words(settings.chosen));
+  std::string text = fmt::format("{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
+                                 settings_in_words(settings.chosen));
   if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
   for (const DelayKindName& kind : delay_kinds) {
     const auto count = std::count(settings.chosen.delays.begin(), settings.chosen.delays.end(), kind.kind);
@@ -334,11 +358,8 @@ std::string program_settings_answer(const ProgramResult& result) {
   if (settings.chosen.family == SettingFamily::taps)
     text += "not proved best.";
   else
-    text += settings.complete
-                ? fmt::format("no other of {} settings is planned faster.", settings.members)
-                : fmt::format("the fastest of those tried: {} of {}{} settings planned; time limit.", settings.tried,
-                              settings.members, settings.members >= SettableMembers::most ? " or more" : "");
-  if (settings.free_taps) text += beside_free_taps(*settings.free_taps, time);
+    text += what_was_tried(settings);
+  if (settings.free_taps) text += beside_free_taps(settings, time);
   return text + beside_today(result) + "\n";
 }
 

@@ -44,6 +44,9 @@ std::string corner_without_stop(const Toolpath& path, const Task& task);
 /// result's.
 const FilterSpec* todays_filter(const Task& task);
 
+/// Whether a filter is that one.
+bool is_todays(const Task& task, const Filter& filter);
+
 /// The in-position width, m, with which the program takes the least time with a given filter; 0 if the control has
 /// none.
 /// @param task  with settings

@@ -189,9 +189,7 @@ TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorou
   if (!behind) return {};
   const Filter& filter = *behind;
   const ControlDelays control = planned_control(*task_.settings, guessed);
-  // Without a plan that holds there is no answer: one takes its time even if there is none left.
-  constexpr double for_one = 0.5;  // s
-  const Deadline until = thorough && deadline_.over() && !deadline_.asked_to_end() ? Deadline(for_one) : deadline_;
+  const Deadline until = thorough ? with_one_plan(deadline_) : deadline_;
   TimedSetting best{planned(filter, control, until), guessed};
   if (control.any() || !has_widths()) return best;
   const auto time = [&](const ControlDelays& with) { return planned(filter, with, deadline_); };

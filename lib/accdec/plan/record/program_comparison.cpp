@@ -337,6 +337,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   if (record.result.settings) {
     for (const char* name : {"members", "tried", "complete", "free_taps_s", "today_s"})
       differences.skipped.push_back(std::string("settings.") + name);
+    if (record.result.settings->search_limit) differences.skipped.emplace_back("settings.search_limit_s");
   } else if (record.result.today) {
     differences.skipped.emplace_back("today_s");
   }

@@ -47,9 +47,9 @@ class Reader {
       return std::move(record_);
     }
     read_summary();
-    if (json_.has("settings")) read_program_settings(json_["settings"], r);
-    read_program_today(json_, r);
     if (json_.has("inputs")) read_inputs(json_["inputs"]);
+    if (json_.has("settings")) read_program_settings(json_["settings"], record_.task, r);
+    read_program_today(json_, r);
     record_.commands = json_.has("commands") && json_.has("inputs");
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
     if (r.settings && record_.task.settings) {

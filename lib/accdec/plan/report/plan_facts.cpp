@@ -138,6 +138,12 @@ bool rings_at_end(const ProgramResult& result, const std::vector<double>& left) 
   return false;
 }
 
+std::string bounds_that_hold(const ProgramResult& result, const std::vector<double>& left) {
+  return rings_at_end(result, left)
+             ? "bounds hold, residuals only of each move alone: all together leave more after the end"
+             : "all bounds hold";
+}
+
 double largest_widening(const Toolpath& path) {
   double most = 0.0;
   const std::size_t n = path.dimensions();

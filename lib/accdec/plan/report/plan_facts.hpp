@@ -38,6 +38,8 @@ std::vector<double> left_at_end(const ProgramResult& result);
 std::vector<std::string> left_at_end_in_words(const ProgramResult& result, const std::vector<double>& left);
 /// Whether one of them is above its bound. @param left  as found by left_at_end
 bool rings_at_end(const ProgramResult& result, const std::vector<double>& left);
+/// In words, of a plan that holds all limits: "all bounds hold", unless it rings at the end.
+std::string bounds_that_hold(const ProgramResult& result, const std::vector<double>& left);
 
 /// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double largest_widening(const Toolpath& path);

@@ -67,9 +67,7 @@ class SummaryText {
     put("\n");
     put("\n  {}{}{}\n",
         !result_.verification.feasible ? "NOT verified"
-        : rings_at_end(result_, left_at_end_)
-            ? "verified: every sample simulated, all bounds hold, residuals for each corner alone and not at the end"
-            : "verified: every sample simulated, all bounds hold",
+                                       : "verified: every sample simulated, " + bounds_that_hold(result_, left_at_end_),
         result_.message.empty() ? "" : ": ", result_.message);
     return fmt::to_string(text_);
   }
