@@ -112,9 +112,15 @@ void require_delays(const ProgramArguments& options, const Task& task) {
                         "exact-stop, in-position, dwell, timed-axis");
 }
 
-/// @throws InputError for a control whose programs nobody knows to write
+/// @throws InputError for a control whose programs nobody knows to write, or that delays in another way
 void require_words(const ProgramArguments& options, const Task& task) {
-  if (options.emit.empty() || !options.dwell_axis.empty() || !task.settings) return;
+  if (options.emit.empty() || !task.settings) return;
+  if (!options.dwell_axis.empty()) {
+    if (task.settings->any_delay()) return;
+    throw error_at_delays(options.task,
+                          "`delays` has no \"timed-axis\", by which programs of --dwell-axis delay; without "
+                          "that option --emit writes the control's own program");
+  }
   try {
     require_dialect(*task.settings);
   } catch (const std::invalid_argument& why) {

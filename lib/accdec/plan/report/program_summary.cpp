@@ -34,13 +34,17 @@ std::string indented(std::string text) {
 /// Limits of which bounds know nothing or only a part; empty if there are none.
 std::string left_out_by_bounds(const Machine& machine) {
   std::vector<std::string> texts;
-  const auto add = [&](bool limited, const char* text) {
-    if (limited && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.emplace_back(text);
+  const auto add = [&](bool limited, std::string text) {
+    if (limited && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(std::move(text));
   };
   for (const Axis& axis : machine.axes) {
-    add(axis.force_max < unlimited, "force_max_N, but for the acceleration that it gives if friction helps");
-    add(axis.power_max < unlimited, "power_max_W");
-    add(axis.regeneration_max < unlimited, "regeneration_max_W");
+    for (const AxisLimit& limit : axis_limits) {
+      if (limit.kind != LimitKind::force && limit.kind != LimitKind::power && limit.kind != LimitKind::regeneration)
+        continue;
+      add(axis.*limit.bound < unlimited,
+          limit_key(limit, axis.name) +
+              (limit.kind == LimitKind::force ? ", but for the acceleration that it gives if friction helps" : ""));
+    }
   }
   add(!machine.modes.empty(), "[[mode]]");
   return fmt::format("{}", fmt::join(texts, ", "));
