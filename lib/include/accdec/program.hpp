@@ -167,7 +167,7 @@ struct ProgramResult : ProgramSubject {
   SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
   bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
   std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
-  std::vector<SlowedFeeds> too_fast;  ///< of these, those that start or stop too fast for the filter
+  std::vector<SlowedFeeds> too_fast;  ///< of these, those too fast for the contour, or to start or stop
   int rounds = 0;                     ///< of repair
   std::size_t corners = 0;            ///< joints that turn or stop, those inside arcs left out
   std::size_t delayed = 0;            ///< of these with a delay

@@ -181,8 +181,9 @@ class SummaryText {
     std::size_t too_fast = 0;
     for (const SlowedFeeds& slowed : result_.too_fast) {
       too_fast += slowed.blocks;
-      put("  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
-          slowed.limit, slowed.line, 100.0 * slowed.factor);
+      const bool on_legs = slowed.limit == to_string(LimitKind::contour);
+      put("  {} blocks slowed to {} {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
+          on_legs ? "keep the" : "start and stop within", slowed.limit, slowed.line, 100.0 * slowed.factor);
     }
     if (result_.slowed > too_fast)
       put("  {} blocks slowed, on curves or too short for their feed\n", result_.slowed - too_fast);

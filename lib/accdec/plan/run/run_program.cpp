@@ -14,6 +14,7 @@
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/run/before_planning.hpp>
@@ -233,6 +234,7 @@ class Planning {
   std::int64_t least_kept(Toolpath path) const {
     limit_rapids(path, filter_, task_.sample_period, machine_);
     snap_durations(path, filter_, task_.sample_period, machine_);
+    hold_contour(path, behind_, task_.sample_period);
     std::vector<int> delays = pairwise_delays(path, filter_, task_.sample_period, machine_).delays;
     delays = with_least_stops(path, std::move(delays), exact_stop_delay(filter_));
     for (std::size_t b = 0; b < path.blocks(); ++b) {
