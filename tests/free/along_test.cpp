@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -16,7 +15,6 @@
 #include <accdec/plan/along/path_speed.hpp>
 #include <accdec/plan/run/along_plan.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
-#include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
@@ -230,25 +228,6 @@ TEST(MeetingCircles, TakeTheTimesOfBothAndTwoSamples) {
     EXPECT_LE(two, 2.0 * one + 2.0 * T + 1e-9) << jerk;
     EXPECT_GE(two, 2.0 * one - T - 1e-9) << jerk;
   }
-}
-
-// The time ends where plan fixed begins: nothing that other plans have found is left out.
-TEST(FreeWithoutTime, KeepsMotionsAlongArcs) {
-  const Task task = arc_task(50.0);
-  ProgramFile file;
-  file.path = test::path_of("G21 G90 G64 P0.01 F6000\nG1 X20\nG2 X40 Y0 I10\nG1 X60\nM2\n", task.machine);
-  const ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, {}});
-  const auto along = plan_along(profiles, task, {});
-  ASSERT_TRUE(along);
-  ASSERT_LT(along->result.cycle_time, profiles.cycle_time - 2.0 * T);
-  std::atomic<bool> over = false;
-  ProgramFileOptions options;
-  options.deadline.end_when(over);
-  options.free.progress = [&over](const FreeProgress& progress) { over = over || progress.stage == "plan fixed"; };
-  const ProgramResult free = run_free_plan(file, task, options, {});
-  ASSERT_TRUE(over);
-  expect_verified(free, task);
-  EXPECT_LE(free.cycle_time, along->result.cycle_time + 1e-9);
 }
 
 // Rest is rest: it is neither planned nor checked sample by sample.

@@ -50,7 +50,7 @@ std::string why_no_motion(const ProgramResult& profiles, const ProgramResult* fi
 /// One filter for the program, in a part of the time; if there is no other plan, even when the time is over.
 std::optional<ProgramResult> fixed_beside(const ProgramFile& file, const Task& task, ProgramFileOptions options,
                                           bool only) {
-  if (!only && !time_for_one_filter(file.path, options.deadline)) return {};
+  if (!only && (file.path.blocks() > several_plans_max || options.deadline.over())) return {};
   if (const double left = options.deadline.left(); options.time_limit || left < unlimited) {
     options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
     options.deadline = options.deadline.within(*options.time_limit);
@@ -62,10 +62,10 @@ std::optional<ProgramResult> fixed_beside(const ProgramFile& file, const Task& t
 
 /// The fastest of the plans as samples: profiles, along its arcs, or one filter. None if only the filter's plan holds
 /// and it has none, or they leave the tube.
-std::optional<AlongPlan> fastest_samples(const ProgramResult& profiles, std::optional<AlongPlan> along,
-                                         const ProgramResult* fixed, const Task& task) {
+std::optional<AlongPlan> fastest_samples(const ProgramResult& profiles, const ProgramResult* fixed, const Task& task,
+                                         const Deadline& deadline) {
   const Toolpath& path = profiles.plan.path;
-  if (along) along->result.corner_bound = profiles.corner_bound;
+  std::optional<AlongPlan> along = plan_along(profiles, task, deadline);
   const bool holds = profiles.verification.feasible;
   const double best = along ? along->result.cycle_time : holds ? profiles.cycle_time : unlimited;
   if (fixed && fixed->cycle_time < best) {
@@ -135,10 +135,6 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
   ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
   profiles.reading = file.reading;
-  // Before the bounds and one filter, which may take all the time that is left.
-  options.free.tell("motions along arcs");
-  std::optional<AlongPlan> along;
-  if (!profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);
   // The bound is computed beside the plan of one filter, in the same part of the time.
   std::future<CornerBound> bound;
   if (file.path.blocks() <= several_plans_max) {
@@ -166,7 +162,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
     result.solver.wall_time = seconds_since(start);
     return result;
   };
-  const std::string no_motion = along ? "" : why_no_motion(profiles, beside, options.deadline);
+  const std::string no_motion = why_no_motion(profiles, beside, options.deadline);
   if (!no_motion.empty()) {
     if (tell) tell(no_motion + ": the plan stays what it is");
     return answer(std::move(profiles));
@@ -175,7 +171,8 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   ProgramResult unchecked;  // plan profiles without a plan, if the time ended before its check
   if (profiles.plan.empty()) unchecked = profiles, unchecked.plan = {file.path, Trajectory{}};
   const ProgramResult& first = profiles.plan.empty() ? unchecked : profiles;
-  std::optional<AlongPlan> begun = fastest_samples(first, std::move(along), beside, task);
+  options.free.tell("motions along arcs");
+  std::optional<AlongPlan> begun = fastest_samples(first, beside, task, options.deadline);
   if (!begun) {
     if (tell) tell("no plan has samples that keep to their legs");
     return answer(std::move(profiles));
