@@ -49,8 +49,9 @@ TEST(ProgramAnswer, NamesTheLimitThatEndedTheSearch) {
   result.cycle_time = 10.0;
   ProgramSettings& settings = result.settings.emplace();
   settings.chosen = {.family = SettingFamily::averages, .values = {{"", 9.0, "ms"}}};
-  settings.members = 40400, settings.tried = 12;
-  EXPECT_THAT(program_settings_answer(result), HasSubstr("12 of 40400 settings planned. The time limit ended the"));
+  settings.members = 40400, settings.tried = 12, settings.guessed = 345;
+  EXPECT_THAT(program_settings_answer(result),
+              HasSubstr("12 of 40400 settings planned, 345 guessed. The time limit ended the"));
   settings.search_limit = 8.2;
   EXPECT_THAT(program_settings_answer(result),
               HasSubstr("its own limit of 8.2 s; --time-limit 33 searches twice as long."));

@@ -48,21 +48,27 @@ class MemberGuesses {
   /// @param first  the best plan's so far; null: none
   void spread(const SettableMembers& members, const SettableMember* first, const Deadline& until) {
     std::vector<SettableMember> spread = members.spread();
-    const int middle = best_order_;
-    const auto distance = [&](const SettableMember& m) {
-      return std::abs(std::log((m.order() + 1.0) / (middle + 1.0)));
-    };
-    std::ranges::stable_sort(spread, {}, distance);
-    std::vector<std::pair<double, SettableMember>> best;
-    if (first != nullptr) best.emplace_back(of(*first).samples, *first);
-    std::array<int, 2> losses{};  // of the shorter and the longer ones
-    for (const SettableMember& member : spread) {
-      if (until.over() && !best.empty()) break;
-      int& lost = losses[member.order() < middle ? 0 : 1];
-      if (lost >= most_losses) continue;
-      best.emplace_back(of(member).samples, member);
-      lost = best.back().first > clearly_slower * best_.samples ? lost + 1 : 0;
+    if (first != nullptr) of(*first);
+    // Few orders, far apart, show where the others begin: smooth members, which suit most limits.
+    for (const auto& [apart, most_losses] : {std::pair(1.6, 1), {1.0, 8}}) {
+      const int middle = best_order_;
+      const auto place = [&, smooth = apart > 1.0](const SettableMember& m) {
+        return std::pair(std::abs(std::log((m.order() + 1.0) / (middle + 1.0))),
+                         smooth ? std::ranges::max(m.lengths) : 0);
+      };
+      std::ranges::stable_sort(spread, {}, place);
+      std::array<int, 2> losses{};  // of the shorter and the longer ones
+      std::array<double, 2> next{middle / apart, middle * apart};
+      for (const SettableMember& member : spread) {
+        if (until.over() && !all_.empty()) break;
+        const bool longer = member.order() >= middle;
+        if (losses[longer] >= most_losses || (longer ? member.order() < next[1] : member.order() > next[0])) continue;
+        next[longer] = longer ? member.order() * apart : member.order() / apart;
+        losses[longer] = of(member).samples > clearly_slower * best_.samples ? losses[longer] + 1 : 0;
+      }
     }
+    std::vector<std::pair<double, SettableMember>> best;
+    for (const auto& [key, guessed] : all_) best.emplace_back(guessed.second.samples, guessed.first);
     const auto shorter = [](const auto& a, const auto& b) { return a.first < b.first; };
     std::stable_sort(best.begin(), best.end(), shorter);
     best.resize(std::min(best.size(), starts));
@@ -83,10 +89,13 @@ class MemberGuesses {
   using Guessed = std::map<std::vector<int>, std::pair<SettableMember, TimedSetting>>;
   /// By their keys.
   const Guessed& all() const { return all_; }
+  /// Adds the keys of all members whose time was guessed, be it with any delays.
+  void add_to(std::set<std::vector<int>>& keys) const {
+    for (const auto& [key, samples] : any_) keys.insert(key);
+  }
 
  private:
   static constexpr std::size_t starts = 3;
-  static constexpr int most_losses = 8;  ///< one after another, as many as two orders have
   static constexpr double clearly_slower = 1.1;
 
   const SettingsTrials& trials_;
@@ -115,7 +124,9 @@ class MemberSearch {
     ProgramSettings result{.chosen = members_.chosen(*best_), .width = time_.width};
     result.members = static_cast<long>(all.size());
     before_.insert(planned_.begin(), planned_.end());
+    guesses_.add_to(guessed_before_);
     result.tried = static_cast<long>(before_.size());
+    result.guessed = static_cast<long>(guessed_before_.size());
     result.complete = passed && members_.listed();
     if (today_) result.today = members_.chosen(*today_);
     return result;
@@ -145,7 +156,10 @@ class MemberSearch {
   }
 
   /// Begins with the best of a search among fewer kinds of delays.
-  void begin_with(const MemberSearch& fewer) { best_ = fewer.best_, time_ = fewer.time_, before_ = fewer.planned_; }
+  void begin_with(const MemberSearch& fewer) {
+    best_ = fewer.best_, time_ = fewer.time_, before_ = fewer.planned_;
+    fewer.guesses_.add_to(guessed_before_);
+  }
 
  private:
   static constexpr std::size_t first_planned = 4;
@@ -220,8 +234,8 @@ class MemberSearch {
   const std::function<void(const std::string&)>& tell_;
   SettableMembers members_;
   MemberGuesses guesses_;
-  std::set<std::vector<int>> planned_, before_;  // before: with fewer kinds of delays
-  int late_ = 0;                                 // planned after the time was over
+  std::set<std::vector<int>> planned_, before_, guessed_before_;  // before: with fewer kinds of delays
+  int late_ = 0;                                                  // planned after the time was over
   std::optional<SettableMember> best_, today_;
   TimedSetting time_;
 };
@@ -320,8 +334,9 @@ std::string what_was_tried(const ProgramSettings& settings) {
                                       "searches twice as long.",
                                       *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
                                 : "The time limit ended the search; a longer one plans more.";
-  return fmt::format("the fastest of those tried: {} of {}{} settings planned. {}", settings.tried, settings.members,
-                     settings.members >= SettableMembers::most ? " or more" : "", ended);
+  return fmt::format("the fastest of those tried: {} of {}{} settings planned, {} guessed. {}", settings.tried,
+                     settings.members, settings.members >= SettableMembers::most ? " or more" : "", settings.guessed,
+                     ended);
 }
 
 std::string beside_free_taps(const ProgramSettings& settings, double time) {

@@ -164,6 +164,7 @@ class Reader {
     record_.task = parse_task(
         in.task_text, in.task_path + " (in " + name_ + ")",
         {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
+    record_.result.task_machine = record_.task.machine;
     in.reading.error_max = record_.task.program_error_max;
     in.reading.room_for_chords = record_.schema == ProgramSchema::program_2;
     in.reading.contour_max = record_.task.program_contour_max.value_or(unlimited);

@@ -62,6 +62,7 @@ Json program_settings_to_json(const ProgramResult& result) {
   if (settings.chosen.family != SettingFamily::taps) {
     json["members"] = settings.members;
     json["tried"] = settings.tried;
+    json["guessed"] = settings.guessed;
     json["complete"] = settings.complete;
     if (settings.search_limit) json["search_limit_s"] = *settings.search_limit;
   }
@@ -85,6 +86,7 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
   } else {
     settings.members = json["members"].integer<long>();
     settings.tried = json["tried"].integer<long>();
+    if (json.has("guessed")) settings.guessed = json["guessed"].integer<long>();
     settings.complete = json["complete"].boolean();
     if (json.has("search_limit_s")) settings.search_limit = json["search_limit_s"].number();
     settings.is_today = result.plan.command() != nullptr && is_todays(task, result.plan.set());

@@ -37,13 +37,6 @@ double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
              : usual;
 }
 
-/// s, for settings. A plan of each takes longer than an estimate of a filter.
-double settings_seconds(const Toolpath& path, const ProgramFileOptions& options) {
-  constexpr double longer = 4.0, most = 60.0;
-  const double filter = filter_seconds(path, options);
-  return options.time_limit ? filter : std::min(most, longer * filter);
-}
-
 /// Blocks of programs that are planned with settings whatever the time limit.
 constexpr std::size_t at_once_max = 2'000;
 
@@ -79,7 +72,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   const bool keep = options.fixed.feeds == Feeds::keep;
   const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
   if (task.settings && task.settings->names_family() && !emitted_one) {
-    const double limit = settings_seconds(path, options);
+    const double limit = filter_seconds(path, options);
     const Deadline end = options.deadline.within(limit);
     ProgramFilter choice =
         settings_filter(path, task, keep, path.blocks() <= at_once_max ? with_one_plan(end) : end, tell);
