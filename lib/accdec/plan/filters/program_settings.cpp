@@ -75,7 +75,7 @@ std::string program_settings_answer(const ProgramResult& result) {
   else
     text += what_was_tried(settings);
   if (settings.free_taps) text += beside_free_taps(settings, time);
-  return text + beside_today(result) + "\n";
+  return text + beside_today(result) + assumed_in_words(settings.control.get()) + "\n";
 }
 
 std::string control_of_taps(const Task& task) {
