@@ -195,12 +195,12 @@ struct ProgramResult : ProgramSubject {
   std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
   std::optional<double> today;              ///< s, of the program with today's setting of the control, if that was
                                             ///< planned, too; unlimited: no plan with it holds all limits
-  std::string taps_control;             ///< title of the task's control if it takes the taps of plan fixed; else empty
-  std::string compensation;             ///< why arcs that were to be widened are not; empty: nothing to say
-  std::vector<AxisLoad> loads;          ///< of the axes that have a mass or damping; of programs of up to
-                                        ///< `several_plans_max` blocks
-  std::optional<ServoReport> servo;     ///< behind a servo, of programs of up to `several_plans_max` blocks
-  std::vector<FeedOverride> overrides;  ///< of programs of up to `several_plans_max` blocks
+  std::string taps_control;                ///< for a control of taps: the task's filter in words, or "taps"; else empty
+  std::string compensation;                ///< why arcs that were to be widened are not; empty: nothing to say
+  std::vector<AxisLoad> loads;             ///< of the axes that have a mass or damping; of programs of up to
+                                           ///< `several_plans_max` blocks
+  std::optional<ServoReport> servo;        ///< behind a servo, of programs of up to `several_plans_max` blocks
+  std::vector<FeedOverride> overrides;     ///< of programs of up to `several_plans_max` blocks
   std::vector<ControlEstimate> estimates;  ///< of other controls' times, by whoever asks for them
   VerificationReport verification;
   SolverReport solver;

@@ -246,6 +246,8 @@ class SummaryText {
           : of_mode(use.kind)              ? fmt::format("line {}, {}", use.line, place_of_vibration(use, 4))
                                            : fmt::format("line {}", use.line));
     }
+    if (std::ranges::any_of(uses, [](const LimitUse& use) { return use.kind == LimitKind::force_speed; }))
+      put("  force speed: a sample's force and the curve's at its speed, both in proportion as at standstill\n");
     if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
     for (const std::string& left : left_at_rest_in_words(result_, left_at_rest_)) put("  {}\n", left);
     for (const AxisLoad& load : result_.loads) {
