@@ -127,7 +127,8 @@ struct ControlEstimate {
   std::vector<std::string> unknown;  ///< what the task or the program asks for and this control does not know
 };
 
-/// The force of an axis over a whole program, dwells and rests included.
+/// The force of an axis over a whole program, dwells and rests included. The mean is over the samples of the program.
+/// Behind a servo, the axis still moves after the last of them: the peak counts that, the mean does not.
 struct AxisLoad {
   std::string axis;
   double peak = 0.0;           ///< N, largest |F|
