@@ -153,9 +153,10 @@ py::object settings(const Program& r) {
 /// None without a servo.
 py::object servo(const Program& r) {
   if (!r.servo) return py::none();
-  return py::dict(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
-                  py::arg("stop_error") = r.servo->stop_error,
-                  py::arg("axes_differ") = r.plan.command()->moved.size() > 1);
+  py::dict d(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
+             py::arg("stop_error") = r.servo->stop_error, py::arg("axes_differ") = r.plan.command()->moved.size() > 1);
+  if (r.servo->legs) d["leg_error"] = r.servo->legs->error, d["leg_line"] = r.servo->legs->line;
+  return d;
 }
 
 constexpr const char* no_plan = "there is no plan: ";

@@ -127,7 +127,8 @@ struct ControlEstimate {
   std::vector<std::string> unknown;  ///< what the task or the program asks for and this control does not know
 };
 
-/// The force of an axis over a whole program, dwells and rests included.
+/// The force of an axis over a whole program, dwells and rests included. The mean is over the samples of the program.
+/// Behind a servo, the axis still moves after the last of them: the peak counts that, the mean does not.
 struct AxisLoad {
   std::string axis;
   double peak = 0.0;           ///< N, largest |F|
@@ -141,11 +142,19 @@ struct ArcError {
   std::uint32_t line = 0;
 };
 
+/// The largest distance of a motion from the line of a straight leg, while no other leg is felt. About 1e-4 of the
+/// motion along legs before is left then, and the command of the next one has not begun.
+struct LegError {
+  double error = 0.0;      ///< m
+  std::uint32_t line = 0;  ///< where the leg begins
+};
+
 /// The motion behind the servo, where it is not the command.
 struct ServoReport {
-  double settling = 0.0;    ///< s, from the end of the command until the motion stays within `within` of its end
-  double within = 0.0;      ///< m, the least tolerance of a joint; 1 um without
-  double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
+  double settling = 0.0;           ///< s, from the end of the command until the motion stays within `within` of its end
+  double within = 0.0;             ///< m, the least tolerance of a joint; 1 um without
+  double stop_error = 0.0;         ///< m, the largest error of a stop, where the control waits for the command
+  std::optional<LegError> legs{};  ///< where servos of axes differ; none: every leg still feels another
 };
 
 /// The program and the task of a result: the same for every plan.

@@ -16,6 +16,7 @@
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
 #include <accdec/plan/report/left_at_rest.hpp>
+#include <accdec/plan/report/leg_error.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
@@ -144,7 +145,7 @@ class SummaryText {
           "end\n",
           servo->settling, servo->within * 1e6);
       if (result_.plan.command()->moved.size() > 1)
-        put("  axes have different servos: every sample is verified, nothing is proved of shorter plans\n");
+        put("  {}\n  every sample is verified, nothing is proved of shorter plans\n", leg_error_text(result_));
       if (servo->stop_error > 0.0)
         put("  at stops the control waits for the command: the motion leaves out up to {:.4g} um\n",
             servo->stop_error * 1e6);

@@ -124,6 +124,30 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
 
 }  // namespace
 
+ProgramResult free_from(const Toolpath& path, const ProgramResult& profiles, const ProgramResult* fixed,
+                        const Task& task, const ProgramFileOptions& options,
+                        const std::function<void(const std::string&)>& tell) {
+  const std::string no_motion = why_no_motion(profiles, fixed, options.deadline);
+  if (!no_motion.empty()) {
+    if (tell) tell(no_motion + ": the plan stays what it is");
+    return profiles;
+  }
+  ProgramResult unchecked;  // plan profiles without a plan, if the time ended before its check
+  if (profiles.plan.empty()) unchecked = profiles, unchecked.plan = {path, Trajectory{}};
+  const ProgramResult& first = profiles.plan.empty() ? unchecked : profiles;
+  options.free.tell("motions along arcs");
+  std::optional<AlongPlan> begun = fastest_samples(first, fixed, task, options.deadline);
+  if (!begun) {
+    if (tell) tell("no plan has samples that keep to their legs");
+    return profiles;
+  }
+  const Machine machine = program_machine(task.machine, path);
+  ProgramResult result = shortened(first, std::move(*begun), machine, options, tell);
+  if (options.fixed.compensate_arcs)
+    result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
+  return result;
+}
+
 ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
                             const std::function<void(const std::string&)>& tell, std::optional<ProgramResult> fixed) {
   refuse_options(file.path, options);
@@ -162,25 +186,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
     result.solver.wall_time = seconds_since(start);
     return result;
   };
-  const std::string no_motion = why_no_motion(profiles, beside, options.deadline);
-  if (!no_motion.empty()) {
-    if (tell) tell(no_motion + ": the plan stays what it is");
-    return answer(std::move(profiles));
-  }
-  const Machine machine = program_machine(task.machine, file.path);
-  ProgramResult unchecked;  // plan profiles without a plan, if the time ended before its check
-  if (profiles.plan.empty()) unchecked = profiles, unchecked.plan = {file.path, Trajectory{}};
-  const ProgramResult& first = profiles.plan.empty() ? unchecked : profiles;
-  options.free.tell("motions along arcs");
-  std::optional<AlongPlan> begun = fastest_samples(first, beside, task, options.deadline);
-  if (!begun) {
-    if (tell) tell("no plan has samples that keep to their legs");
-    return answer(std::move(profiles));
-  }
-  ProgramResult result = shortened(first, std::move(*begun), machine, options, tell);
-  if (options.fixed.compensate_arcs)
-    result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
-  return answer(std::move(result));
+  return answer(free_from(file.path, profiles, beside, task, options, tell));
 }
 
 }  // namespace accdec

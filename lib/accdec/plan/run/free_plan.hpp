@@ -20,4 +20,11 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
                             const std::function<void(const std::string&)>& tell,
                             std::optional<ProgramResult> fixed = {});
 
+/// The motion of plan free from plans that are known. Only `options.deadline` ends it by the clock.
+/// @param profiles  plan profiles, may be without a plan: the answer where there is no faster motion
+/// @param fixed  one filter that holds; may be nullptr
+ProgramResult free_from(const Toolpath& path, const ProgramResult& profiles, const ProgramResult* fixed,
+                        const Task& task, const ProgramFileOptions& options,
+                        const std::function<void(const std::string&)>& tell);
+
 }  // namespace accdec
