@@ -69,8 +69,8 @@ TEST(SettingsNotes, SayWhichExactStopsWereConsidered) {
               Not(HasSubstr(said)));
 }
 
-/// 5 taps of 0.2 are 3.333 times 0.06. Of 40 equal taps, when 19 are done, 210/40 samples of one leg's way are left and
-/// 190/40 of the other's are gone: an error of 0.1 mm sqrt(5.25^2 + 4.75^2) = 708 um, 2.36 times 300 um.
+/// 5 taps of 0.2 are 3.333 times 0.06. When 19 of 40 equal taps are done, 210/40 samples of one leg's way are left, and
+/// 190/40 of the other's are gone. The error is 0.1 mm sqrt(5.25^2 + 4.75^2) = 708 um, 2.36 times 300 um.
 TEST(SettingsNotes, NameTheLimitThatTodaysSettingBreaks) {
   const std::string family = "family = \"averages\"\norder_max = 60\n", one = "[filter]\nkind = \"averages\"\n";
   EXPECT_THAT(settings_answer(noted_design(family, one + "lengths = [5]\n")),
