@@ -135,7 +135,7 @@ std::vector<Key> about_parameters() {
        .meaning = "`accdec program` outputs positions as whole numbers of it; of rotary axes in thousandths of a "
                   "degree",
        .unit = "um",
-       .range = {0.0, 1e3, true},
+       .range = {1e-6, 1e3},
        .fallback = "decimals of mm",
        .example = "0.1"}};
 }

@@ -63,7 +63,7 @@ std::optional<LegError> leg_error(const ProgramResult& result, const Machine& ma
     if (leg == legs.end()) break;
     if (k < leg->from) continue;
     const double off = off_leg(sample.position.data(), path.programmed_point(leg->first),
-                                path.programmed_point(leg->last + 1), path.dimensions());
+                               path.programmed_point(leg->last + 1), path.dimensions());
     // At constant feed all samples are as far, but for rounding.
     if (!worst || off > worst->error * (1.0 + 1e-9) + position_floor) worst = {off, path.line[leg->first]};
   }

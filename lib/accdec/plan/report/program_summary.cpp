@@ -56,6 +56,7 @@ class SummaryText {
   explicit SummaryText(const ProgramResult& result) : result_(result), left_at_rest_(left_at_rest(result)) {}
 
   std::string write() {
+    if (!result_.verification.feasible) return broken_plan();
     if (const std::string answer = program_answer(result_); !answer.empty()) put("{}\n", answer);
     head();
     times();
@@ -71,14 +72,19 @@ class SummaryText {
     put("  planned and verified in {:.3g} s", result_.solver.wall_time);
     if (result_.peak_memory > 0) put(", at most {:.0f} MB of memory", static_cast<double>(result_.peak_memory) * 1e-6);
     put("\n");
-    put("\n  {}{}{}\n",
-        !result_.verification.feasible ? "NOT verified"
-                                       : "verified: every sample simulated, " + bounds_that_hold(left_at_rest_),
+    put("\n  verified: every sample simulated, {}{}{}\n", bounds_that_hold(left_at_rest_),
         result_.message.empty() ? "" : ": ", result_.message);
     return fmt::to_string(text_);
   }
 
  private:
+  /// The limits of the plan that breaks least. Its times and settings are no answer.
+  std::string broken_plan() {
+    put("{}: no plan was found that holds all limits\n", printable(result_.program));
+    limits();
+    put("\n  NOT verified: {}\n", result_.message);
+    return fmt::to_string(text_);
+  }
   template <class... Arguments>
   void put(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
