@@ -13,7 +13,7 @@
 namespace accdec::last_dwell_test {
 namespace {
 
-constexpr double T = 2e-3;
+constexpr double T = 4e-3;
 
 ProgramResult free_plan(const std::string& program, const Task& task) {
   const TemporaryFolder folder;
@@ -28,7 +28,7 @@ TEST(LastDwell, AddsItsTimeToTheMotionWithoutIt) {
     task.machine = test::machine_of(1.0, jerk);
     // Given, so that no search ends by the clock.
     FilterSpec filter;
-    filter.kind = Shape::trapezoid, filter.order = 50, filter.ramp = 10;
+    filter.kind = Shape::trapezoid, filter.order = 25, filter.ramp = 5;
     task.filter = filter;
     for (const std::string program :
          {"G61.1 F6000\nG1 X10 Y3\nG1 X10.1 Y3\nG1 X20 Y3\n", "G64 P0.1 F6000\nG1 X6\nG1 Y5\nG1 X0 Y6\nG1 Y9\n",

@@ -20,7 +20,7 @@ inline ProgramResult free_without_clock(const ProgramFile& file, const Task& tas
   ProgramFileOptions options;
   options.free.sweeps = 1;
   const bool holds = fixed && fixed->verification.feasible;
-  return free_from(file.path, profiles, holds ? &*fixed : nullptr, task, options, tell);
+  return free_from(file.path, profiles, plan_along(profiles, task, {}), holds ? &*fixed : nullptr, task, options, tell);
 }
 
 }  // namespace accdec::test
