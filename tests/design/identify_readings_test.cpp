@@ -40,8 +40,7 @@ double difference(const MotionLog& log, const FittedFilter& fit) {
 }
 
 /// Averages and a move are factors of one product. A move of 15 behind 40 and 10 is one of 40 behind 15 and 10, and one
-/// of 10 behind 40 and 15. One sample of 0.1 um tells nothing of them; neighbours are far behind. A move of 20 with
-/// impulses 20 samples apart is one of 40, behind 15 and 10: four readings have a quarter each.
+/// of 10 behind 40 and 15. One sample of 0.1 um tells nothing of them; neighbours are far behind.
 TEST(IdentifyReadings, AMoveMayBeShorterThanAnAverage) {
   const double noise = 1e-7;
   const std::vector<std::pair<std::vector<int>, int>> all{{{40, 10}, 15}, {{15, 10}, 40}, {{40, 15}, 10}};
@@ -53,7 +52,7 @@ TEST(IdentifyReadings, AMoveMayBeShorterThanAnAverage) {
       ASSERT_NE(fit, nullptr) << lengths[0] << " " << lengths[1];
       EXPECT_EQ(fit->moves.front().samples, samples);
       EXPECT_NEAR(fit->moves.front().way[0], 0.0045, 1e-6);
-      EXPECT_GT(fit->likelihood, 0.24);
+      EXPECT_GT(fit->likelihood, 0.25);
       EXPECT_NEAR(fit->likelihood, found.fits.front().likelihood, 1e-3);
     }
     // The longest move stands first.
@@ -85,7 +84,7 @@ TEST(IdentifyReadings, TheFeedTellsThemApart) {
 }
 
 /// An average of 22 is one of 11 with impulses 11 samples apart: one fit with two names. Its move of 60 may be an
-/// average, and a move of 11 with such impulses is one of 22. All move alike, whatever numbers they have.
+/// average, and a move of 11 with such impulses is one of 22. All move alike. With more numbers a share is less.
 TEST(IdentifyReadings, TheSameMotionIsAsLikelyByAnyName) {
   const MotionLog log = simulated(taps_of({22}), {{0.006, 0.0, 60, 0}}, {1e-6, 0.0}, 1);
   const Identification found = identify(log, task_of());
@@ -100,7 +99,7 @@ TEST(IdentifyReadings, TheSameMotionIsAsLikelyByAnyName) {
   const auto other = std::ranges::find_if(found.fits, [&](const FittedFilter& fit) { return is_zv(fit, 60); });
   ASSERT_NE(other, found.fits.end());
   EXPECT_NEAR(other->sigmas, 0.0, 0.05);
-  EXPECT_NEAR(other->likelihood, best.likelihood, 1e-3);
+  EXPECT_LT(other->likelihood, 0.1 * best.likelihood);
   const FittedFilter* exchanged = listed(found, {60});
   ASSERT_NE(exchanged, nullptr);
   EXPECT_NEAR(exchanged->likelihood, best.likelihood, 1e-3);

@@ -50,7 +50,7 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None,
     -------
     dict
         fits: those that fit, each with family, filter (as a task takes it), rms (m), sigmas behind the first (below 0:
-        it fits better), likelihood (a share of those listed, by the log alone; 0 for taps), time_constant (s, of a pole
+        it fits better), likelihood (a share of those listed, numbers counted; 0 for taps), time_constant (s, of a pole
         or an exponential) and second_constant (s, of a second pole in series; 0: none), aliases and moves. The first
         explains the log with the fewest numbers. aliases: family and filter of other names for the same taps; real
         numbers, which are fitted, make them within 1 %. Moves are first sample, samples, first_step and last_step (parts

@@ -29,7 +29,7 @@ struct FittedFilter {
   int parameters = 1;       ///< numbers that were fitted: stages, 0 if there is no filter, 1 for a pole, taps ..
   double rms = 0.0;         ///< m, of the differences between log and fit in the samples in which the filter acts
   double sigmas = 0.0;      ///< by how many standard deviations of the noise the first fits better; < 0: this one does
-  double likelihood = 0.0;  ///< of the log with this noise, as a share among the fits listed, 0 .. 1; 0 for taps
+  double likelihood = 0.0;  ///< a share among the fits listed, by the Bayesian criterion, 0 .. 1; 0 for taps
   double time_constant = 0.0;           ///< s, of a pole or a finite exponential
   double second_constant = 0.0;         ///< s, of a second pole in series; 0: there is none
   std::vector<LoggedMove> moves{};      ///< one, or both legs of a corner
@@ -62,8 +62,8 @@ struct IdentifyOptions {
 /// three averages of every length, one or two endless poles, finite exponentials, Gaussians, windowed sincs, and up to
 /// two averages with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every
 /// number that a family has more must explain more, or another fit stands first; which shaper it is counts as one.
-/// Likelihoods are of the log alone: numbers do not count there. Members with the same taps are one fit. Exponentials,
-/// Gaussians and sincs have 8 taps or more: shorter filters fit too many families. Taps are the answer if they fit
+/// Likelihoods count numbers in the same way, standard deviations do not. Members with the same taps are one fit.
+/// Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit too many families. Taps are the answer if they fit
 /// better than chance explains. They are also if the best family leaves far more than the noise, as the log shows it at
 /// rest and at constant speed. Two poles that differ mostly end so. Positions that are all multiples of 1, 2 or 5 times
 /// a power of ten are rounded: step / sqrt(12) is the least noise then, unless a family fits exactly. An axis counts by

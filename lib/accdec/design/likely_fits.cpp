@@ -100,7 +100,7 @@ LikelyFits FitList::likely(std::vector<FamilyFit> members, double noise) const {
   const double most = cost(members.front(), noise) + options_.sigmas * options_.sigmas;
   LikelyFits result;
   std::vector<Filter> filters;
-  std::vector<double> squares;  // over that of the noise
+  std::vector<double> squares, costs;  // over that of the noise
   for (FamilyFit& member : members) {
     const Filter filter = make_filter(member.fitted.filter);
     std::size_t same = 0;
@@ -119,7 +119,7 @@ LikelyFits FitList::likely(std::vector<FamilyFit> members, double noise) const {
     if (filters.empty()) result.first = fit;
     member.fitted.rms = window_.figure(filter, fit, member.fitted.parameters);
     filters.push_back(filter);
-    squares.push_back(member.squares / (noise * noise));
+    squares.push_back(member.squares / (noise * noise)), costs.push_back(cost(member, noise));
     result.fits.push_back(member.fitted);
   }
   if (filters.empty())
@@ -127,12 +127,11 @@ LikelyFits FitList::likely(std::vector<FamilyFit> members, double noise) const {
         fmt::format("no move at the given feed of {:.6g} mm/min explains the log; its constant speed is {:.6g} mm/min",
                     6e4 * options_.feed.value_or(0.0), 6e4 * command_.step / task_.sample_period));
   double sum = 0.0;
-  const double least = std::ranges::min(squares);
-  for (const double s : squares) sum += std::exp(-0.5 * (s - least));
+  for (const double c : costs) sum += std::exp(-0.5 * (c - costs.front()));
   for (std::size_t i = 0; i < squares.size(); ++i) {
     const double worse = squares[i] - squares.front();
     result.fits[i].sigmas = std::copysign(std::sqrt(std::abs(worse)), worse);
-    result.fits[i].likelihood = std::exp(-0.5 * (squares[i] - least)) / sum;
+    result.fits[i].likelihood = std::exp(-0.5 * (costs[i] - costs.front())) / sum;
   }
   return result;
 }
