@@ -63,12 +63,12 @@ struct IdentifyOptions {
 /// two averages with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every
 /// number that a family has more must explain more, or another fit stands first; which shaper it is counts as one.
 /// Likelihoods count numbers in the same way, standard deviations do not. Members with the same taps are one fit.
-/// Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit too many families. Taps are the answer if they fit
-/// better than chance explains. They are also if the best family leaves far more than the noise, as the log shows it at
-/// rest and at constant speed. Two poles that differ mostly end so. Positions that are all multiples of 1, 2 or 5 times
-/// a power of ten are rounded: step / sqrt(12) is the least noise then, unless a family fits exactly. An axis counts by
-/// its noise, as the log shows it; one that rests does not count. The task's `prefilter_taps` stand behind every
-/// filter: what is found is the filter in front of them.
+/// Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit too many families. Taps are the answer if
+/// they fit better than chance explains. They are also if the best family leaves far more than the noise, as the log
+/// shows it at rest and at constant speed. Two poles that differ mostly end so. Positions that are all multiples of 1,
+/// 2 or 5 times a power of ten are rounded: step / sqrt(12) is the least noise then, unless a family fits exactly. An
+/// axis counts by its noise, as the log shows it; one that rests does not count. The task's `prefilter_taps` stand
+/// behind every filter: what is found is the filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine

@@ -279,7 +279,8 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
     text += other_names(fit, period);
   }
   if (std::ranges::any_of(found.fits, [](const FittedFilter& fit) { return fit.sigmas < 0.0; }))
-    text += "# the first explains the log with the fewest numbers; sigma and likelihood are of the log alone\n";
+    text +=
+        "# the first explains the log with the fewest numbers; sigma is of the log alone, likelihoods count numbers\n";
   const auto other = [&](const FittedFilter& fit) { return !other_move(fit, best, period).empty(); };
   if (std::ranges::any_of(found.fits, other))
     text +=

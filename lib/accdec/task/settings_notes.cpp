@@ -55,7 +55,7 @@ std::string caps_that_bind(const DesignResult& result) {
   }
   const auto& stages = task.settings->stages;
   const auto on = [](const Setting& setting) { return setting.unit != "Hz" && setting.value > 0.0; };
-  const bool one = std::ranges::count_if(chosen.values, on) == 1;
+  const bool one = std::count_if(chosen.values.begin(), chosen.values.end(), on) == 1;
   for (std::size_t s = 0; s < std::min(stages.size(), chosen.values.size()); ++s) {
     const Setting& setting = chosen.values[s];
     if (!on(setting)) continue;
