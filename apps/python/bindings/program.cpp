@@ -263,7 +263,8 @@ today : float or None
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
-    axes_differ: whether axes have different servos, behind which straight legs bend.
+    axes_differ: whether axes have different servos, behind which straight legs bend. Then also leg_error (m, the
+    largest distance of the motion from the line of a leg) and leg_line (of the program).
 )";
 
 constexpr const char* json_doc = "to_json(self)\n--\n\nThe text of a result file, as the command line's --json.";

@@ -49,9 +49,8 @@ Key force_speed_of_files() {
   return {.name = std::string(force_speed_key),
           .type = KeyType::numbers,
           .meaning =
-              "largest force by speed, [[mm/s, N], ..]: straight in between, the first force below its speed, nothing "
-              "beyond "
-              "the last",
+              "largest force by speed, [[mm/s, N], ..]: straight in between, the first force below its speed, "
+              "nothing beyond the last",
           .unit = "mm/s and N",
           .range = {0.0, 1e8},
           .least = 2,
