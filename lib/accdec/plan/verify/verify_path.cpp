@@ -166,18 +166,18 @@ std::map<std::uint32_t, double> off_legs(const DirectMotion& motion, const Toolp
     const bool end = last + 1 == path.blocks();
     // Its window begins when the command reaches a joint, and ends a filter's length after the command leaves it.
     const std::int64_t leaves = end ? std::ssize(motion.position.front()) - 1 : motion.windows[last].last - order - 1;
+    const std::int64_t reached = end ? leaves : motion.windows[last].first;
+    // Only a smooth joint may be passed between two samples; the command does not rest there.
+    const bool between = path.joint[last] == Joint::smooth && leaves == reached + 1;
     const bool chord = path.inside_arc[first] != 0 || (first > 0 && path.inside_arc[first - 1] != 0);
-    for (std::int64_t k = from; k <= leaves && !chord; ++k) {
+    for (std::int64_t k = from; k <= (between ? reached : leaves) && !chord; ++k) {
       Place at{};
       for (std::size_t a = 0; a < path.dimensions(); ++a) at[a] = motion.position[a][static_cast<std::size_t>(k)];
       double& worst = most[path.line[first]];
       worst = std::max(worst, static_cast<double>(across(at, path.programmed_point(first),
                                                          path.programmed_point(last + 1), path.dimensions())));
     }
-    if (end) break;
-    // Only a smooth joint may be passed between two samples; the command does not rest there.
-    const std::int64_t reached = motion.windows[last].first;
-    from = (path.joint[last] == Joint::smooth && leaves == reached + 1 ? leaves : reached) + felt + 1;
+    from = (between ? leaves : reached) + felt + 1;
   }
   return most;
 }
