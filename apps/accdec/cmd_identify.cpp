@@ -20,7 +20,7 @@ namespace {
 
 struct IdentifyArguments {
   std::string log, task, out = "-", figure;
-  std::optional<double> noise_um;
+  std::optional<double> noise_um, feed_mm_min;
   bool prefilter = false;
 };
 
@@ -76,6 +76,7 @@ void run(const IdentifyArguments& options, Context& context) {
   const MotionLog log = read_motion_log(options.log, task.sample_period);
   IdentifyOptions choices;
   if (options.noise_um) choices.noise = 1e-6 * *options.noise_um;
+  if (options.feed_mm_min) choices.feed = *options.feed_mm_min / 6e4;
   Identification found;
   try {
     found = identify(log, task, choices);
@@ -114,6 +115,11 @@ void add_identify(CLI::App& app, Context& context) {
                    "Standard deviation of the positions. Default: what the best fit leaves")
       ->check(number_between(1e-9, 1e6))
       ->type_name("UM");
+  command
+      ->add_option("--feed-mm-min", options->feed_mm_min,
+                   "Programmed feed of the move, or of the first leg. Default: any that explains the log")
+      ->check(number_between(1e-3, 1e7))
+      ->type_name("FEED");
   command->add_flag(
       "--prefilter", options->prefilter,
       "Write [controller] prefilter_taps, the control's own smoothing, instead of [filter]. Those of the task are "

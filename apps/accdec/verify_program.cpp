@@ -16,6 +16,7 @@
 #include <accdec/gcode/run_rs274.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_record.hpp>
+#include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
@@ -105,6 +106,7 @@ void print_accepted(const ProgramRecord& record, const RecordCheck& check, bool 
   if (proved)
     fmt::print("bound accepted: multipliers prove that any motion takes {:.6g} s or more; the result says {:.6g} s\n",
                check.proved_bound, record.result.corner_bound->any_motion);
+  if (const std::string ends = judged_at_ends(record.result); !ends.empty()) fmt::print("{}\n", ends);
   if (read) {
     fmt::print("{} read again: the plan passes its points in order, within its feeds and with its tolerances\n",
                printable(record.inputs.program));

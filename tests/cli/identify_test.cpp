@@ -108,6 +108,37 @@ TEST(CliIdentify, WholeMicrometresAreNotExact) {
   EXPECT_THAT(files.identify(table("t_ms,x_mm", move_behind({12, 9}))).out, HasSubstr("lengths = [12, 9]"));
 }
 
+/// A move of 15 ms behind an average of 40 ms is one of 40 ms behind an average of 15 ms.
+TEST(CliIdentify, TheFeedTellsAMoveFromAnAverage) {
+  Files files;
+  const std::string log = table("t_ms,x_mm", move_behind({40, 10}, 15));
+  const std::string any = files.identify(log).out;
+  EXPECT_THAT(any, HasSubstr("found in " + files.folder.path("log.csv") + ": averages of 15, 10 ms"));
+  EXPECT_THAT(any, HasSubstr("also fits: averages of 40, 10 ms behind a move of 15 samples at 6000 mm/min"));
+  EXPECT_THAT(any, HasSubstr("also fits: averages of 40, 15 ms behind a move of 10 samples at 9000 mm/min"));
+  const std::string one = files.identify(log, {"--feed-mm-min", "6000"}).out;
+  EXPECT_THAT(one, HasSubstr("lengths = [40, 10]"));
+  EXPECT_THAT(one, Not(HasSubstr("15, 10 ms")));
+  const Outcome none = files.identify(log, {"--feed-mm-min", "4000"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("no move at the given feed of 4000 mm/min explains the log"));
+}
+
+/// Every position of the control two or three times.
+TEST(CliIdentify, ALogFasterThanTheControlIsNamed) {
+  Files files;
+  files.task = files.folder.write("fast.toml", "sample_period_ms = 0.4\n");
+  const std::vector<std::string> rows = move_behind({22, 22});
+  std::vector<std::string> fast;
+  for (std::size_t k = 0; k < rows.size() * 5 / 2; ++k) {
+    const std::string& row = rows[2 * k / 5];
+    fast.push_back(fmt::format("{:.1f},{}", 0.4 * static_cast<double>(k), row.substr(row.find(',') + 1)));
+  }
+  const Outcome done = files.identify(table("t_ms,x_mm", fast));
+  EXPECT_EQ(done.code, 2);
+  EXPECT_THAT(done.err, HasSubstr("the log is faster than the control"));
+}
+
 struct BadLog {
   const char* name;
   std::string text, position, message;

@@ -24,19 +24,19 @@ TEST(Identify, FindsAveragesOfAStraightMove) {
     const Identification found = identify(simulated(taps_of(lengths), straight_legs, 1e-8, 1), task_of());
     EXPECT_EQ(found.fits.front().family, SettingFamily::averages);
     EXPECT_EQ(found.fits.front().filter.lengths, lengths);
-    EXPECT_EQ(found.moves[0].last_step, 1.0);
-    ASSERT_EQ(found.moves.size(), 1U);
-    EXPECT_EQ(found.moves[0].first, 39);  // the last sample at the start
-    EXPECT_EQ(found.moves[0].samples, 200);
-    EXPECT_NEAR(found.moves[0].way[0], 0.02, 1e-7);
+    EXPECT_EQ(found.fits.front().moves[0].last_step, 1.0);
+    ASSERT_EQ(found.fits.front().moves.size(), 1U);
+    EXPECT_EQ(found.fits.front().moves[0].first, 39);  // the last sample at the start
+    EXPECT_EQ(found.fits.front().moves[0].samples, 200);
+    EXPECT_NEAR(found.fits.front().moves[0].way[0], 0.02, 1e-7);
   }
 }
 
 TEST(Identify, FindsThreeAveragesAndTheDelayOfACorner) {
   const Identification found = identify(simulated(taps_of({26, 22, 11}), corner, 1e-8, 2), task_of());
   EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{26, 22, 11}));
-  ASSERT_EQ(found.moves.size(), 2U);
-  EXPECT_EQ(found.moves[1].first - found.moves[0].first - found.moves[0].samples, 12);
+  ASSERT_EQ(found.fits.front().moves.size(), 2U);
+  EXPECT_EQ(delay_between(found.fits.front().moves[0], found.fits.front().moves[1]), 12.0);
 }
 
 TEST(Identify, FindsTheTimeConstantOfAPole) {
@@ -215,7 +215,7 @@ TEST(Identify, FindsWhatIsInFrontOfTheSmoothingOfTheControl) {
             (std::vector<int>{18, 8}));
   const Identification at_corner = identify(simulated(taps, corner, 1e-8, 9), task);
   EXPECT_EQ(at_corner.fits.front().filter.lengths, (std::vector<int>{18, 8}));
-  EXPECT_EQ(at_corner.moves[1].first - at_corner.moves[0].first - at_corner.moves[0].samples, 12);
+  EXPECT_EQ(delay_between(at_corner.fits.front().moves[0], at_corner.fits.front().moves[1]), 12.0);
 }
 
 /// A move of 20.04 mm in steps of 0.1 mm ends with one of 0.04 mm.
@@ -223,10 +223,10 @@ TEST(Identify, TheLastStepOfAMoveMayBeShorter) {
   const std::vector<Leg> legs{{0.02, 0.0, 200, 0}, {0.00004, 0.0, 1, 0}};
   const Identification found = identify(simulated(taps_of({18, 8}), legs, 1e-8, 10), task_of());
   EXPECT_EQ(found.fits.front().filter.lengths, (std::vector<int>{18, 8}));
-  ASSERT_EQ(found.moves.size(), 1U);
-  EXPECT_EQ(found.moves[0].samples, 201);
-  EXPECT_NEAR(found.moves[0].last_step, 0.4, 0.001);
-  EXPECT_NEAR(found.moves[0].way[0], 0.02004, 1e-7);
+  ASSERT_EQ(found.fits.front().moves.size(), 1U);
+  EXPECT_EQ(found.fits.front().moves[0].samples, 201);
+  EXPECT_NEAR(found.fits.front().moves[0].last_step, 0.4, 0.001);
+  EXPECT_NEAR(found.fits.front().moves[0].way[0], 0.02004, 1e-7);
 }
 
 TEST(Identify, RefusesServosAndSpeedsThatNoMachineHas) {

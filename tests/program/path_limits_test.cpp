@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -295,7 +296,18 @@ TEST_F(PathCommand, ResultsAreVerifiedByOtherFormulas) {
   EXPECT_THAT(read("out"), HasSubstr("axes have different servos"));
   const auto result = nlohmann::ordered_json::parse(read("r.json"));
   EXPECT_TRUE(result["servo"]["axes_differ"]);
+  const std::string joints = result["commands"]["joint"];
+  const auto turns = std::count(joints.begin(), joints.end(), 's');
+  EXPECT_GT(turns, 0);
+  const std::string inside = fmt::format(
+      "residual of y: judged at the ends of arcs and other smooth turns, not inside them ({} points)\n", turns);
+  EXPECT_THAT(read("out"), HasSubstr(inside));
+  for (const auto& limit : result["limits"]) {
+    EXPECT_EQ(limit.contains("smooth_turns_judged_at_ends"), limit["kind"] == "residual");
+    EXPECT_EQ(limit.value("smooth_turns_judged_at_ends", turns), turns);
+  }
   ASSERT_EQ(run("verify r.json").code, 0) << read("err") << read("out");
+  EXPECT_THAT(read("out"), HasSubstr(inside));
   const auto refused = [&](const std::string& kind, double factor) {
     auto forged = result;
     for (auto& limit : forged["limits"]) {
@@ -327,6 +339,7 @@ TEST_F(PathCommand, OverlappingCornersAreVerifiedByOtherFormulas) {
   }
   write("forged.json", forged.dump());
   EXPECT_EQ(run("verify forged.json").code, 1) << read("out") << read("err");
+  EXPECT_FALSE(forged["limits"].back().contains("smooth_turns_judged_at_ends"));
 }
 
 TEST_F(PathCommand, PlansThatDoNotConsiderTheKeysRefuseThem) {

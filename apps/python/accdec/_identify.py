@@ -26,7 +26,8 @@ def _positions(log: Mapping[str, npt.ArrayLike]) -> list[list[float]]:
     return rows
 
 
-def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict[str, Any]:
+def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None,
+             feed: Optional[float] = None) -> dict[str, Any]:
     """Find the filter behind a logged straight move or corner, from rest to rest.
 
     The feed need not be known; each leg needs a part at constant speed.
@@ -40,16 +41,18 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
         is the one in front of them.
     noise : float, optional
         m, standard deviation of the positions. Default: what the best fit leaves.
+    feed : float, optional
+        m/s, the programmed feed of the move, or of the first leg. Default: any that explains the log.
 
     Returns
     -------
     dict
         fits: those that fit, the most likely first, each with family, filter (as a task takes it), rms (m), sigmas
         behind the best, likelihood (0 for taps), time_constant (s, of a pole or an exponential) and second_constant (s,
-        of a second pole in series; 0: none). taps: any taps, likewise. noise (m). rounding (m), the noise that
-        positions have because they are written in steps; 0: a family fits exactly. moves: first sample, samples,
-        last_step (part of the others that the last sample moves) and way (m) of each leg. modelled: positions of the
-        first fit (m), by axis.
+        of a second pole in series; 0: none) and moves. These are first sample, samples, first_step and last_step (parts
+        of the others that the first and the last sample move) and way (m) of each leg. taps: any taps, likewise.
+        noise (m). rounding (m), the noise that positions have because they are written in steps; 0: a family fits
+        exactly. moves: those of the first fit. modelled: positions of the first fit (m), by axis.
 
     Examples
     --------
@@ -62,6 +65,8 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
     """
     if noise is not None:
         noise = arguments.number("noise", noise, "must be a number of metres from 1e-15 to 1", 1e-15, 1.0)
+    if feed is not None:
+        feed = arguments.number("feed", feed, "must be a number of m/s from 1e-6 to 1000", 1e-6, 1000.0)
     axes: list[str] = []
     positions: list[list[float]] = []
     file = ""
@@ -70,4 +75,4 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None) -> dict
     else:
         file = arguments.path("log", log)
     return _core.identify(as_task(task, program=True), file=file, axes=axes, positions=positions, noise=noise,
-                          progress=None)
+                          feed=feed, progress=None)

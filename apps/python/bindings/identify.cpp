@@ -30,9 +30,14 @@ py::dict filter_dict(const FilterSpec& spec) {
 }
 
 py::dict fit_dict(const FittedFilter& fit) {
+  const auto move = [](const LoggedMove& m) {
+    return py::dict(py::arg("first") = m.first, py::arg("samples") = m.samples, py::arg("first_step") = m.first_step,
+                    py::arg("last_step") = m.last_step, py::arg("way") = m.way);
+  };
   return py::dict(py::arg("family") = std::string(to_string(fit.family)), py::arg("filter") = filter_dict(fit.filter),
                   py::arg("rms") = fit.rms, py::arg("sigmas") = fit.sigmas, py::arg("likelihood") = fit.likelihood,
-                  py::arg("time_constant") = fit.time_constant, py::arg("second_constant") = fit.second_constant);
+                  py::arg("time_constant") = fit.time_constant, py::arg("second_constant") = fit.second_constant,
+                  py::arg("moves") = list_of(fit.moves, move));
 }
 
 py::dict found_dict(const Identification& found, const MotionLog& log) {
@@ -40,19 +45,16 @@ py::dict found_dict(const Identification& found, const MotionLog& log) {
   for (std::size_t a = 0; a < log.axes.size(); ++a)
     modelled[py::str(log.axes[a])] =
         py::array_t<double>(static_cast<py::ssize_t>(found.modelled[a].size()), found.modelled[a].data());
-  const auto move = [](const LoggedMove& m) {
-    return py::dict(py::arg("first") = m.first, py::arg("samples") = m.samples, py::arg("last_step") = m.last_step,
-                    py::arg("way") = m.way);
-  };
-  return py::dict(py::arg("fits") = list_of(found.fits, fit_dict), py::arg("taps") = fit_dict(found.taps),
-                  py::arg("noise") = found.noise, py::arg("rounding") = found.rounding,
-                  py::arg("moves") = list_of(found.moves, move), py::arg("modelled") = modelled);
+  const py::list fits = list_of(found.fits, fit_dict);
+  return py::dict(py::arg("fits") = fits, py::arg("taps") = fit_dict(found.taps), py::arg("noise") = found.noise,
+                  py::arg("rounding") = found.rounding, py::arg("moves") = fits[0]["moves"],
+                  py::arg("modelled") = modelled);
 }
 
 /// @param file  of a log; empty: `axes` and `positions` are the log
 py::dict identify_log(const std::shared_ptr<Task>& task, const std::string& file, const std::vector<std::string>& axes,
                       const std::vector<std::vector<double>>& positions, std::optional<double> noise,
-                      const py::object& progress) {
+                      std::optional<double> feed, const py::object& progress) {
   MotionLog log{axes, positions};
   if (!file.empty()) log = read_motion_log(file, task->sample_period);
   const auto found = std::make_shared<Identification>();
@@ -60,6 +62,7 @@ py::dict identify_log(const std::shared_ptr<Task>& task, const std::string& file
       [=](const Work&) {
         IdentifyOptions options;
         options.noise = noise;
+        options.feed = feed;
         *found = identify(log, *task, options);
       },
       progress);
@@ -70,7 +73,7 @@ py::dict identify_log(const std::shared_ptr<Task>& task, const std::string& file
 
 void bind_identify(py::module_& module) {
   module.def("identify", &identify_log, py::arg("task"), py::kw_only(), py::arg("file"), py::arg("axes"),
-             py::arg("positions"), py::arg("noise"), py::arg("progress"));
+             py::arg("positions"), py::arg("noise"), py::arg("feed"), py::arg("progress"));
 }
 
 }  // namespace accdec::python

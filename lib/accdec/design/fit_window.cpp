@@ -31,10 +31,50 @@ double moved_at(const std::vector<double>& way, int m) {
   return m <= last ? way[static_cast<std::size_t>(m)] : way.back() + (m - last);
 }
 
-/// The part that a leg has moved m samples after it began: of its full steps, or of its last one.
-double part_moved(const std::vector<double>& reached, int m, int count, bool last_step) {
-  if (last_step) return moved_at(reached, m - count) - moved_at(reached, m - count - 1);
+/// The part of a leg's full steps that it has moved m samples after it began.
+double part_moved(const std::vector<double>& reached, int m, int count) {
   return (moved_at(reached, m) - moved_at(reached, m - count)) / count;
+}
+
+/// Additions to the full steps of a leg.
+enum class Addition { later, first_step, last_step };
+
+std::vector<Addition> additions(Ends ends) {
+  switch (ends) {
+    case Ends::whole: return {};
+    case Ends::between: return {Addition::later};
+    case Ends::last: return {Addition::last_step};
+    case Ends::both: return {Addition::first_step, Addition::last_step};
+  }
+  return {};
+}
+
+/// Motion of a whole addition, as `part_moved`: a sample more of delay, or a full step more.
+double added(const std::vector<double>& reached, int m, int count, Addition addition) {
+  if (addition == Addition::later) return part_moved(reached, m - 1, count) - part_moved(reached, m, count);
+  if (addition == Addition::last_step) m -= count + 1;
+  return (moved_at(reached, m + 1) - moved_at(reached, m)) / count;
+}
+
+/// The part of its full steps that a leg of a fit has moved in sample k.
+double part_moved(const std::vector<double>& reached, int k, const CommandFit& fit, std::size_t leg) {
+  const int m = k - fit.first[leg], count = fit.count[leg];
+  double part = part_moved(reached, m, count);
+  Eigen::Index row = 0;
+  for (const Addition addition : additions(fit.ends))
+    part += fit.parts(row++, static_cast<Eigen::Index>(leg)) * added(reached, m, count, addition);
+  return part;
+}
+
+/// Start and ways of the full steps, in a basis that begins with them and has the additions behind them.
+Eigen::MatrixXd joined_parts(const Eigen::MatrixXd& parts) {
+  const Eigen::Index legs = parts.cols();
+  Eigen::MatrixXd joined = Eigen::MatrixXd::Zero(1 + legs * (1 + parts.rows()), 1 + legs);
+  joined.topRows(1 + legs).setIdentity();
+  for (Eigen::Index kind = 0; kind < parts.rows(); ++kind) {
+    for (Eigen::Index leg = 0; leg < legs; ++leg) joined(1 + legs * (1 + kind) + leg, 1 + leg) = parts(kind, leg);
+  }
+  return joined;
 }
 
 Filter behind(const Filter& filter, const Filter& smoothing) {
@@ -69,21 +109,29 @@ FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int ord
 }
 
 CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vector<int>& first,
-                             const std::vector<int>& count) const {
+                             const std::vector<int>& count, Ends ends) const {
   const auto rows = static_cast<Eigen::Index>(rows_.size()), legs = static_cast<Eigen::Index>(first.size());
-  const Eigen::Index parts = last_steps_ ? 2 * legs : legs;
-  Eigen::MatrixXd basis(rows, parts + 1);
+  const std::vector<Addition> more = additions(ends);
+  const auto kinds = static_cast<Eigen::Index>(more.size());
+  Eigen::MatrixXd basis(rows, 1 + legs * (1 + kinds));
   basis.col(0).setOnes();
-  for (Eigen::Index s = 0; s < parts; ++s) {
-    const auto leg = static_cast<std::size_t>(s % legs);
-    for (Eigen::Index r = 0; r < rows; ++r)
-      basis(r, s + 1) = part_moved(reached, rows_[static_cast<std::size_t>(r)] - first[leg], count[leg], s >= legs);
+  for (Eigen::Index s = 0; s < legs; ++s) {
+    const auto leg = static_cast<std::size_t>(s);
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      const int m = rows_[static_cast<std::size_t>(r)] - first[leg];
+      basis(r, 1 + s) = part_moved(reached, m, count[leg]);
+      for (Eigen::Index kind = 0; kind < kinds; ++kind)
+        basis(r, 1 + legs * (1 + kind) + s) = added(reached, m, count[leg], more[static_cast<std::size_t>(kind)]);
+    }
   }
   CommandFit fit;
-  fit.first = first, fit.count = count;
-  fit.coefficients = (basis.transpose() * basis).ldlt().solve(basis.transpose() * at_);
+  fit.first = first, fit.count = count, fit.ends = ends;
+  const Eigen::MatrixXd normal = basis.transpose() * basis, right = basis.transpose() * at_;
+  fit.parts = parts_of(normal, right, legs, kinds, ends == Ends::between);
+  const Eigen::MatrixXd joined = joined_parts(fit.parts);
+  fit.coefficients = (joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right);
   const Eigen::VectorXd squares =
-      ((at_ - basis * fit.coefficients) * command_.weights.asDiagonal()).rowwise().squaredNorm();
+      ((at_ - basis * (joined * fit.coefficients)) * command_.weights.asDiagonal()).rowwise().squaredNorm();
   fit.squares = squares.sum();
   const int length = static_cast<int>(reached.size());
   for (Eigen::Index r = 0; r < rows; ++r) {
@@ -97,20 +145,54 @@ CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vect
   return fit;
 }
 
-CommandFit FitWindow::refit(const Filter& filter, const CommandFit& fit) const {
-  return fit_at(moved(behind(filter, smoothing_)), fit.first, fit.count);
+Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right, Eigen::Index legs,
+                                    Eigen::Index kinds, bool alike) const {
+  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(kinds, legs);
+  std::vector<Eigen::Index> open;  // parts that are not at an end of their range
+  for (Eigen::Index i = 0; i < kinds * legs; ++i) open.push_back(i);
+  while (!open.empty()) {
+    Eigen::MatrixXd joined(normal.rows(), 1 + legs + static_cast<Eigen::Index>(open.size()));
+    joined.setZero();
+    joined.leftCols(1 + legs) = joined_parts(parts);
+    for (std::size_t i = 0; i < open.size(); ++i)
+      joined(1 + legs + open[i], 1 + legs + static_cast<Eigen::Index>(i)) = 1;
+    const Eigen::MatrixXd ways =
+        (joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right) * command_.weights.asDiagonal();
+    // All axes of a leg share a part: the mean of those of the axes, by the squares of their ways.
+    double over = 0.0, under = 0.0;
+    std::vector<Eigen::Index> inside;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const Eigen::Index leg = open[i] % legs;
+      const double product = ways.row(1 + leg).dot(ways.row(1 + legs + static_cast<Eigen::Index>(i)));
+      const double square = ways.row(1 + leg).squaredNorm(), part = product / square;
+      over += product, under += square;
+      parts(open[i] / legs, leg) = std::clamp(part, 0.0, 1.0);
+      if (part >= 0.0 && part <= 1.0) inside.push_back(open[i]);
+    }
+    if (alike) parts.setConstant(std::clamp(over / under, 0.0, 1.0));
+    if (alike || inside.size() == open.size()) break;
+    for (const Eigen::Index i : inside) parts(i / legs, i % legs) = 0.0;
+    open = std::move(inside);
+  }
+  return parts;
 }
 
-CommandFit FitWindow::fit(const Filter& designed, int around) const {
+CommandFit FitWindow::refit(const Filter& filter, const CommandFit& fit) const {
+  return fit_at(moved(behind(filter, smoothing_)), fit.first, fit.count, fit.ends);
+}
+
+CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& reading) const {
   const Filter filter = behind(designed, smoothing_);
   const std::vector<double> reached = moved(filter);
   const std::size_t legs = command_.legs.size();
   std::vector<int> first, count;
   for (const LoggedCommand::Leg& leg : command_.legs) {
-    count.push_back(std::max(1, static_cast<int>(std::lround(leg.last - leg.first))));
-    first.push_back(static_cast<int>(std::lround(leg.first - filter.mean_delay())));
+    const double length = leg.last - leg.first;
+    count.push_back(reading.samples > 0 ? reading.samples : std::max(1, static_cast<int>(std::lround(length))));
+    const double begins = leg.first + (reading.samples > 0 ? 0.5 * (length - reading.samples) : 0.0);
+    first.push_back(static_cast<int>(std::lround(begins - filter.mean_delay())));
   }
-  CommandFit best = fit_at(reached, first, count);
+  CommandFit best = fit_at(reached, first, count, reading.ends);
   // Coordinate by coordinate: each number is known to a fraction of a sample.
   for (bool better = around > 0; better;) {
     better = false;
@@ -120,7 +202,7 @@ CommandFit FitWindow::fit(const Filter& designed, int around) const {
         const std::size_t leg = i / 2;
         (i % 2 == 0 ? f : n)[leg] += step;
         if (n[leg] < 1 || std::abs(f[leg] - first[leg]) > around || std::abs(n[leg] - count[leg]) > around) continue;
-        CommandFit tried = fit_at(reached, f, n);
+        CommandFit tried = fit_at(reached, f, n, reading.ends);
         if (tried.squares < best.squares) best = std::move(tried), better = true;
       }
     }
@@ -141,11 +223,9 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
     const auto axis = static_cast<Eigen::Index>(a);
     std::vector<double>& position = positions.emplace_back(log_.samples(), fit.coefficients(0, axis));
     for (std::size_t k = 0; k < position.size(); ++k) {
-      for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
-        const std::size_t legs = fit.first.size(), part = static_cast<std::size_t>(s), leg = part % legs;
-        position[k] += fit.coefficients(s + 1, axis) *
-                       part_moved(reached, static_cast<int>(k) - fit.first[leg], fit.count[leg], part >= legs);
-      }
+      for (std::size_t leg = 0; leg < fit.first.size(); ++leg)
+        position[k] += fit.coefficients(static_cast<Eigen::Index>(leg) + 1, axis) *
+                       part_moved(reached, static_cast<int>(k), fit, leg);
     }
   }
   return positions;
@@ -165,11 +245,8 @@ Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
       b(row) = weight * at_(r, axis);
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
-        for (Eigen::Index s = 0; s + 1 < fit.coefficients.rows(); ++s) {
-          const std::size_t legs = fit.first.size(), part = static_cast<std::size_t>(s), leg = part % legs;
-          way +=
-              fit.coefficients(s + 1, axis) * part_moved(reached, k - fit.first[leg] - i, fit.count[leg], part >= legs);
-        }
+        for (std::size_t leg = 0; leg < fit.first.size(); ++leg)
+          way += fit.coefficients(static_cast<Eigen::Index>(leg) + 1, axis) * part_moved(reached, k - i, fit, leg);
         a(row, i) = weight * way;
       }
     }

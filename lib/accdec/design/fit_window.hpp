@@ -11,15 +11,34 @@
 
 namespace accdec {
 
+/// Which steps at the ends of a leg may move less than its others.
+enum class Ends {
+  whole,    ///< none
+  between,  ///< samples of the log lie between those of the command: every leg begins with a part and ends with the
+            ///< rest
+  last,     ///< the last of each leg
+  both      ///< the first and the last of each leg
+};
+/// Numbers of a fit more than with whole steps.
+constexpr int numbers_of(Ends ends, int legs) {
+  return ends == Ends::whole ? 0 : ends == Ends::between ? 1 : ends == Ends::last ? legs : 2 * legs;
+}
+
+/// A command to be fitted.
+struct Reading {
+  Ends ends = Ends::whole;
+  int samples = 0;  ///< of every leg; 0: as the parts at constant speed say
+};
+
 /// One fit of a command behind a filter to a log.
 struct CommandFit {
   double squares = 0.0;         ///< m^2, sum of squared differences, each times its axis' weight
   double acting_squares = 0.0;  ///< m^2, the same in the samples in which the filter acts: between rest and full speed
   long acting = 0;              ///< values in these samples
   std::vector<int> first, count;  ///< of each leg, samples
-  /// Start, then ways of the legs' full steps, then those of their last steps if these may be shorter, by rows, m; axes
-  /// by columns.
-  Eigen::MatrixXd coefficients;
+  Ends ends = Ends::whole;
+  Eigen::MatrixXd parts;         ///< of a full step, 0 .. 1, by what the ends add, and leg
+  Eigen::MatrixXd coefficients;  ///< start, then ways of the legs' full steps, by rows, m; axes by columns
 };
 
 /// The samples of a log that a filter decides: around starts and stops. Keeps references.
@@ -29,11 +48,9 @@ class FitWindow {
   /// @param smoothing  taps of the control's own, behind every filter; empty: none
   FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max, const std::vector<double>& smoothing);
 
-  /// Whether a leg may end with a step of its own: what is left where its way is no whole number of steps.
-  void allow_last_steps(bool allow) { last_steps_ = allow; }
-  /// The best fit over commands near those that the constant speeds say: legs begin on a sample and last whole samples.
+  /// The best fit over commands near those that the constant speeds say.
   /// @param around  how many samples each number may be off
-  CommandFit fit(const Filter& filter, int around) const;
+  CommandFit fit(const Filter& filter, int around, const Reading& reading = {}) const;
   /// Position of every sample, by axis, m.
   std::vector<std::vector<double>> model(const Filter& filter, const CommandFit& fit) const;
   /// Any taps >= 0 of this order with start and ways, by least squares.
@@ -46,8 +63,11 @@ class FitWindow {
   long values() const { return static_cast<long>(rows_.size()) * command_.axes(); }
 
  private:
-  CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first,
-                    const std::vector<int>& count) const;
+  CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first, const std::vector<int>& count,
+                    Ends ends) const;
+  /// Parts of a full step that the ends of a fit move, of its normal equations. @param alike  all legs have one
+  Eigen::MatrixXd parts_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right, Eigen::Index legs,
+                           Eigen::Index kinds, bool alike) const;
   /// The same command, with the ways that fit this filter best.
   CommandFit refit(const Filter& filter, const CommandFit& fit) const;
   /// With the ways of a fit, and any start.
@@ -55,7 +75,6 @@ class FitWindow {
   const MotionLog& log_;
   const LoggedCommand& command_;
   Filter smoothing_;
-  bool last_steps_ = false;
   std::vector<int> rows_;  // samples that are compared
   Eigen::MatrixXd at_;     // m, of these; axes by columns
 };

@@ -71,8 +71,12 @@ double golden_least(const std::function<double(double)>& squares, double low, do
 
 class FamilyFits {
  public:
-  FamilyFits(const FitWindow& window, int order_max, int pole_order_max, double period)
-      : window_(window), order_max_(order_max), pole_order_max_(pole_order_max), period_(period) {}
+  FamilyFits(const FitWindow& window, int order_max, int pole_order_max, double period, Ends ends)
+      : window_(window),
+        order_max_(order_max),
+        pole_order_max_(pole_order_max),
+        period_(period),
+        reading_{.ends = ends, .samples = 0} {}
 
   std::vector<FamilyFit> run(bool whole) {
     averages();
@@ -103,13 +107,16 @@ class FamilyFits {
     return *std::min_element(tried_.begin(), tried_.end(),
                              [](const FamilyFit& a, const FamilyFit& b) { return a.squares < b.squares; });
   }
-  double squares_of(const FilterSpec& spec, int around) const { return window_.fit(make_filter(spec), around).squares; }
+  double squares_of(const FilterSpec& spec, int around) const {
+    return window_.fit(make_filter(spec), around, reading_).squares;
+  }
 
   void offer(SettingFamily family, const FilterSpec& spec, int parameters, int around = 0) {
     FamilyFit fit;
     fit.fitted.family = family;
     fit.fitted.filter = spec;
     fit.fitted.parameters = parameters;
+    fit.reading = reading_;
     fit.squares = squares_of(spec, around);
     tried_.push_back(std::move(fit));
   }
@@ -204,7 +211,7 @@ class FamilyFits {
       for (int step = 0; step < steps; ++step) {
         const Filter filter = make_filter(family.member(order, part_of(step)));
         if (std::abs(variance_of(filter) - variance) > 0.3 * variance + 4.0) continue;
-        found.push_back({order, step, window_.fit(filter, 0).squares});
+        found.push_back({order, step, window_.fit(filter, 0, reading_).squares});
       }
     }
     std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.squares < b.squares; });
@@ -275,14 +282,15 @@ class FamilyFits {
   const FitWindow& window_;
   int order_max_, pole_order_max_;
   double period_;
+  Reading reading_;
   std::vector<FamilyFit> tried_, kept_;
 };
 
 }  // namespace
 
 std::vector<FamilyFit> fitted_families(const FitWindow& window, int order_max, int pole_order_max, double period,
-                                       bool whole) {
-  return FamilyFits(window, order_max, pole_order_max, period).run(whole);
+                                       Ends ends, bool whole) {
+  return FamilyFits(window, order_max, pole_order_max, period, ends).run(whole);
 }
 
 }  // namespace accdec

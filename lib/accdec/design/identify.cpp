@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -20,8 +22,10 @@ constexpr double unexplained = 0.1;
 constexpr double noise_least = 1e-12;  // m; rounding
 constexpr double exact_part = 0.01;    // of the log's rounding; a fit that leaves less has no part of it
 constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
+constexpr double rare = 6.0;           // the same, of commands that begin or end between samples: one in twenty
 /// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
 constexpr double model_part = 1e-4;
+constexpr double faster = 1.05;   // a move faster by this factor than the log's constant speed is another reading
 constexpr long least_free = 10;   // values more than numbers to fit
 constexpr double fastest = 20.0;  // m/s; no axis of a machine tool comes near it
 
@@ -40,9 +44,87 @@ void require_believable(const Task& task, double step) {
                     feed, fastest));
 }
 
+constexpr std::array all_ends{Ends::whole, Ends::between, Ends::last, Ends::both};
+
+double norm(const std::vector<double>& way) {
+  double sum = 0.0;
+  for (const double w : way) sum = std::hypot(sum, w);
+  return sum;
+}
+
 bool same_taps(const Filter& a, const Filter& b) {
   return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) < 1e-6; });
 }
+
+std::vector<LoggedMove> moves_of(const CommandFit& fit) {
+  std::vector<LoggedMove> moves;
+  for (std::size_t leg = 0; leg < fit.first.size(); ++leg) {
+    const auto column = static_cast<Eigen::Index>(leg);
+    LoggedMove move{.first = fit.first[leg], .samples = fit.count[leg]};
+    double first = 0.0, last = 0.0;  // parts of steps beside the full ones
+    if (fit.ends == Ends::last) last = fit.parts(0, column);
+    if (fit.ends == Ends::both) first = fit.parts(0, column), last = fit.parts(1, column);
+    if (fit.ends == Ends::between && fit.parts(0, column) > 0.0)
+      last = fit.parts(0, column), first = 1.0 - last, --move.samples, ++move.first;
+    const Eigen::VectorXd step = fit.coefficients.row(column + 1) / fit.count[leg];
+    const Eigen::VectorXd way = (move.samples + first + last) * step;
+    if (first > 0.0) move.first_step = first, ++move.samples, --move.first;
+    if (last > 0.0) move.last_step = last, ++move.samples;
+    move.way.assign(way.data(), way.data() + way.size());
+    moves.push_back(std::move(move));
+  }
+  return moves;
+}
+
+class PossibleMoves {
+ public:
+  PossibleMoves(const MotionLog& log, const Task& task, std::optional<double> feed, double step)
+      : log_(log), task_(task), feed_(feed), step_(step) {}
+
+  /// Whether the control may have moved so fast.
+  bool operator()(const std::vector<LoggedMove>& moves) const {
+    if (feed_) {
+      const double way = norm(moves.front().way), length = way / moves.front().feed(task_.sample_period);
+      if (std::abs(length - way / *feed_) > task_.sample_period) return false;
+    }
+    for (const LoggedMove& move : moves) {
+      const double feed = move.feed(task_.sample_period);
+      if (feed <= faster * step_ / task_.sample_period) continue;
+      if (feed > fastest) return false;
+      for (std::size_t a = 0; a < log_.axes.size(); ++a) {
+        for (const Axis& axis : task_.machine.axes) {
+          const bool same = axis.name == log_.axes[a] || task_.machine.axes.size() == 1;
+          if (same && feed * std::abs(move.way[a]) > faster * axis.velocity_max * norm(move.way)) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  const MotionLog& log_;
+  const Task& task_;
+  std::optional<double> feed_;  // m/s
+  double step_;                 // m
+};
+
+void sort_by_squares(std::vector<FamilyFit>& fits) {
+  std::stable_sort(fits.begin(), fits.end(),
+                   [](const FamilyFit& a, const FamilyFit& b) { return a.squares < b.squares; });
+}
+
+/// A given noise is that of all axes.
+LoggedCommand command_in(const MotionLog& log, const IdentifyOptions& options) {
+  LoggedCommand command = logged_command(log);
+  if (options.noise) command.weights = (command.weights.array() > 0.0).cast<double>();
+  return command;
+}
+
+/// Taps and the command in front of them.
+struct FittedTaps {
+  FittedFilter fitted{};
+  CommandFit fit{};
+};
 
 class Identifier {
  public:
@@ -52,46 +134,45 @@ class Identifier {
         command_(command_in(log, options)),
         // The noise, and cascades that begin slowly, hide where a ramp begins and ends.
         order_max_(std::min(task.design.order_max, command_.longest_ramp * 8 / 5 + 10)),
-        window_(log, command_, order_max_, task.machine.prefilter_taps) {}
+        window_(log, command_, order_max_, task.machine.prefilter_taps),
+        possible_(log, task, options.feed, command_.step) {}
 
   Identification run() {
     require_believable(task_, command_.step);
-    look();
-    const double whole = least_squares();
-    const std::vector<FamilyFit> members = all_;
-    const FittedFilter taps = taps_;
-    window_.allow_last_steps(true);
-    look();
-    // Last steps are more numbers to fit: they must explain more.
-    const double values = static_cast<double>(window_.values());
-    const double numbers = static_cast<double>(command_.legs.size()) * static_cast<double>(command_.axes());
-    if (values * std::log(whole / least_squares()) < numbers * std::log(values) + sure) {
-      window_.allow_last_steps(false);
-      all_ = members, taps_ = taps;
+    for (const Ends ends : all_ends) look(ends, true);
+    taps_ = taps();
+    exchange();
+    if (!fits_as_well_as_taps()) {
+      for (const Ends ends : all_ends) look(ends, false);
+      exchange();
     }
     return answer();
   }
 
  private:
-  /// A given noise is that of all axes.
-  static LoggedCommand command_in(const MotionLog& log, const IdentifyOptions& options) {
-    LoggedCommand command = logged_command(log);
-    if (options.noise) command.weights = (command.weights.array() > 0.0).cast<double>();
-    return command;
-  }
-  /// Members of all families, and free taps.
-  void look() {
+  /// Members of all families.
+  void look(Ends ends, bool whole) {
     const int pole_order_max = std::max(order_max_, 5 * command_.longest_ramp);
-    const auto members = [&](bool whole) {
-      return fitted_families(window_, order_max_, pole_order_max, task_.sample_period, whole);
-    };
-    all_ = members(true);
-    taps();
-    if (fits_as_well_as_taps()) return;
-    const std::vector<FamilyFit> between = members(false);
-    all_.insert(all_.end(), between.begin(), between.end());
-    std::stable_sort(all_.begin(), all_.end(),
-                     [](const FamilyFit& a, const FamilyFit& b) { return a.squares < b.squares; });
+    const std::vector<FamilyFit> members =
+        fitted_families(window_, order_max_, pole_order_max, task_.sample_period, ends, whole);
+    all_.insert(all_.end(), members.begin(), members.end());
+    sort_by_squares(all_);
+  }
+  /// Readings of the same members with other moves.
+  void exchange() {
+    std::erase_if(all_, [](const FamilyFit& member) { return member.reading.samples > 0; });
+    const std::vector<FamilyFit> exchanged = exchanged_moves(window_, all_, task_.design.order_max);
+    all_.insert(all_.end(), exchanged.begin(), exchanged.end());
+    sort_by_squares(all_);
+  }
+  /// Taps behind legs with shorter last steps, if these explain much more than their numbers by chance.
+  FittedTaps taps() const {
+    const FittedTaps whole = taps(Ends::whole), shorter = taps(Ends::last);
+    const auto values = static_cast<double>(window_.values());
+    const double least = noise_least * noise_least * values;
+    const double numbers = numbers_of(Ends::last, static_cast<int>(command_.legs.size()));
+    const double ratio = std::max(least, whole.fit.squares) / std::max(least, shorter.fit.squares);
+    return values * std::log(ratio) < numbers * std::log(values) + sure ? whole : shorter;
   }
   double best_rms() const { return rms(all_.front().squares, 1); }
   /// m: what neither family nor taps need explain.
@@ -104,20 +185,21 @@ class Identifier {
   /// standard deviations beyond that, the family is not the log's. Nor is it where it leaves far more than the noise.
   bool fits_as_well_as_taps() const {
     constexpr double far_more = 3.0, deviations = 4.0;
-    const double numbers = taps_.parameters, values = static_cast<double>(window_.values());
+    const double numbers = taps_.fitted.parameters, values = static_cast<double>(window_.values());
     const double least = std::max(taps_rms(), least_noise());
     const auto explained = [&](double count, double by) {
       return (count + deviations * std::sqrt(2.0 * count)) * by * by;
     };
+    // An endless pole has no part at constant speed, so that the log's speed is known less well.
+    const double speed_error = endless() ? 5e-3 * command_.step : 0.0;
     // Every ramp of every axis may be rounded alike: then taps explain the rounding of all.
     const auto ramps = static_cast<double>(2 * command_.legs.size()) * static_cast<double>(command_.axes());
     const double chance = std::max(explained(numbers, least), explained(ramps * numbers, rounded()));
     return best_rms() <= noise_more * least + rounding() + cut_off() &&
-           best_rms() <= far_more * noise() + rounding() + speed_error() &&
-           all_.front().squares <= taps_squares_ + chance + values * (rounding() * rounding() + cut_off() * cut_off());
+           best_rms() <= far_more * noise() + rounding() + speed_error &&
+           all_.front().squares <=
+               taps_.fit.squares + chance + values * (rounding() * rounding() + cut_off() * cut_off());
   }
-  /// m: an endless pole has no part at constant speed, so that the log's speed is known less well.
-  double speed_error() const { return endless() ? 5e-3 * command_.step : 0.0; }
   bool endless() const { return all_.front().fitted.family == SettingFamily::one_pole; }
   /// m: the way that an endless pole has left where its family cuts it off, and a log does not.
   double cut_off() const {
@@ -125,23 +207,18 @@ class Identifier {
     const FittedFilter& best = all_.front().fitted;
     return pole_rest * (best.time_constant + best.second_constant) / task_.sample_period * command_.step;
   }
-  double least_squares() const {
-    const double least = noise_least * noise_least * static_cast<double>(window_.values());
-    return std::max(least, std::min(taps_squares_, all_.front().squares));
-  }
-
   double rms(double squares, int parameters) const {
     const double free = static_cast<double>(window_.values()) - parameters -
                         static_cast<double>(command_.legs.size() + 1) * static_cast<double>(command_.axes());
     return std::sqrt(squares / std::max(1.0, free));
   }
 
-  double taps_rms() const { return rms(taps_squares_, taps_.parameters); }
+  double taps_rms() const { return rms(taps_.fit.squares, taps_.fitted.parameters); }
 
-  void taps() {
+  FittedTaps taps(Ends ends) const {
     // A command that begins early enough for every first tap.
     const Filter like = make_filter(all_.front().fitted.filter);
-    CommandFit fit = window_.fit(like, 2);
+    CommandFit fit = window_.fit(like, 2, {.ends = ends, .samples = 0});
     const int early = std::max(2, order_max_ / 8);
     if (const long numbers = like.order() + 2 * early + 2; window_.values() < numbers + least_free)
       throw std::invalid_argument(fmt::format(
@@ -156,22 +233,25 @@ class Identifier {
     const double least = std::min(small, *std::ranges::max_element(taps));
     const auto counts = [=](double tap) { return tap >= least; };
     const auto begins = std::find_if(taps.begin(), taps.end(), counts);
-    const auto ends = std::find_if(taps.rbegin(), taps.rend(), counts).base();
+    const auto behind_last = std::find_if(taps.rbegin(), taps.rend(), counts).base();
     // The others must make up for the taps that are left out.
     for (int& first : fit.first) first += static_cast<int>(begins - taps.begin());
-    const Filter trimmed = window_.free_taps(fit, static_cast<int>(ends - begins) - 1);
-    taps_.family = SettingFamily::taps;
-    taps_.filter = {
+    const Filter trimmed = window_.free_taps(fit, static_cast<int>(behind_last - begins) - 1);
+    FittedTaps result;
+    result.fit = window_.fit(trimmed, 2, {.ends = ends, .samples = 0});
+    FittedFilter& fitted = result.fitted;
+    fitted.family = SettingFamily::taps;
+    fitted.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};
-    taps_.parameters = trimmed.order() + 1;
-    const CommandFit best = window_.fit(trimmed, 2);
-    taps_squares_ = best.squares;
-    taps_.rms = window_.figure(best, taps_.parameters);
+    fitted.parameters = trimmed.order() + 1;
+    fitted.rms = window_.figure(result.fit, fitted.parameters);
+    fitted.moves = moves_of(result.fit);
+    return result;
   }
 
   Identification answer() {
     Identification result;
-    result.taps = taps_;
+    result.taps = taps_.fitted;
     result.log_noise = command_.noise;
     const double best = best_rms();
     result.rounding = rounded();
@@ -181,55 +261,51 @@ class Identifier {
                       "fit leaves {:.4g} um rms; allowed are {:.4g} um, a part of {:g} of a sample's way",
                       1e6 * std::min(best, taps_rms()), 1e6 * unexplained * command_.step, unexplained));
     if (!fits_as_well_as_taps()) {
-      result.fits = {taps_};
+      result.fits = {taps_.fitted};
+      best_fit_ = taps_.fit;
       result.noise = std::max(options_.noise.value_or(taps_rms()), least_noise());
     } else {
       result.noise = std::max(options_.noise.value_or(best), least_noise());
       result.fits = likely(result.noise);
     }
-    const Filter filter = make_filter(result.fits.front().filter);
-    const CommandFit fit = window_.fit(filter, 2);
-    result.modelled = window_.model(filter, fit);
-    const auto legs = static_cast<Eigen::Index>(fit.first.size());
-    for (Eigen::Index s = 0; s < legs; ++s) {
-      const auto leg = static_cast<std::size_t>(s);
-      Eigen::VectorXd way = fit.coefficients.row(s + 1);
-      LoggedMove move{.first = fit.first[leg], .samples = fit.count[leg]};
-      if (fit.coefficients.rows() > legs + 1) {
-        const Eigen::VectorXd last = fit.coefficients.row(legs + s + 1);
-        move.last_step = last.dot(way) * move.samples / way.squaredNorm();
-        ++move.samples;
-        way += last;
-      }
-      move.way.assign(way.data(), way.data() + way.size());
-      result.moves.push_back(std::move(move));
-    }
+    result.modelled = window_.model(make_filter(result.fits.front().filter), best_fit_);
     return result;
   }
 
   /// More numbers must explain more: each counts as much as its part of the Bayesian criterion.
   std::vector<FittedFilter> likely(double noise) {
     const double size = std::log(static_cast<double>(window_.values()));
-    const auto cost = [&](const FamilyFit& c) { return c.squares / (noise * noise) + c.fitted.parameters * size; };
+    const auto cost = [&](const FamilyFit& c) {
+      const Ends ends = c.reading.ends;
+      const int numbers = c.fitted.parameters + numbers_of(ends, static_cast<int>(command_.legs.size()));
+      return c.squares / (noise * noise) + numbers * size + (ends == Ends::whole ? 0.0 : rare);
+    };
     std::stable_sort(all_.begin(), all_.end(),
                      [&](const FamilyFit& a, const FamilyFit& b) { return cost(a) < cost(b); });
-    const double least = cost(all_.front());
-    double sum = 0.0;
+    double least = std::numeric_limits<double>::infinity(), sum = 0.0;
     std::vector<FittedFilter> fits;
     std::vector<Filter> filters;
     for (FamilyFit& c : all_) {
-      const double worse = cost(c) - least;
+      const double worse = fits.empty() ? 0.0 : cost(c) - least;
       if (worse > options_.sigmas * options_.sigmas) break;
       // Two families can say the same: an average of 12 with impulses 12 samples apart is one of 24.
       const Filter filter = make_filter(c.fitted.filter);
       if (std::ranges::any_of(filters, [&](const Filter& other) { return same_taps(filter, other); })) continue;
+      const CommandFit fit = window_.fit(filter, 2, c.reading);
+      c.fitted.moves = moves_of(fit);
+      if (!possible_(c.fitted.moves)) continue;
+      if (fits.empty()) least = cost(c), best_fit_ = fit;
       filters.push_back(filter);
       c.fitted.sigmas = std::sqrt(worse);
       c.fitted.likelihood = std::exp(-0.5 * worse);
-      c.fitted.rms = window_.figure(window_.fit(filter, 2), c.fitted.parameters);
+      c.fitted.rms = window_.figure(fit, c.fitted.parameters);
       sum += c.fitted.likelihood;
       fits.push_back(c.fitted);
     }
+    if (fits.empty())
+      throw std::invalid_argument(fmt::format(
+          "no move at the given feed of {:.6g} mm/min explains the log; its constant speed is {:.6g} mm/min",
+          6e4 * options_.feed.value_or(0.0), 6e4 * command_.step / task_.sample_period));
     for (FittedFilter& fit : fits) fit.likelihood /= sum;
     return fits;
   }
@@ -239,12 +315,23 @@ class Identifier {
   LoggedCommand command_;
   int order_max_;
   FitWindow window_;
+  PossibleMoves possible_;
   std::vector<FamilyFit> all_;
-  FittedFilter taps_;
-  double taps_squares_ = 0.0;
+  FittedTaps taps_;
+  CommandFit best_fit_;
 };
 
 }  // namespace
+
+double LoggedMove::feed(double period) const {
+  return norm(way) / ((samples - 2.0 + first_step + last_step) * period);
+}
+
+double delay_between(const LoggedMove& in, const LoggedMove& out) {
+  // With a short first step the log has another clock; its last step is then no whole sample of the control.
+  const double last = in.first_step < 1.0 ? in.last_step : 1.0;
+  return out.first + 1.0 - out.first_step - (in.first + in.samples - 1.0 + last);
+}
 
 Identification identify(const MotionLog& log, const Task& task, const IdentifyOptions& options) {
   return Identifier(log, task, options).run();

@@ -16,6 +16,7 @@ constexpr int steady_least = 6;                       // samples at constant spe
 constexpr double least_way = 1e-3;                    // of the longest leg; an axis that moves less rests
 constexpr double least_noise = 1e-4;                  // of a sample's step; less cannot be told from a log's last digit
 constexpr double rounded_root = 0.28867513459481287;  // 1 / sqrt(12): the standard deviation of rounding to a step
+constexpr double standing_part = 0.15;                // of a leg's samples; a control at constant speed stands in none
 constexpr double steady_part = 2e-3;  // of a sample's step, by which positions may be off a constant speed
 
 class Finder {
@@ -228,7 +229,17 @@ class Finder {
     found.weights *= std::sqrt(told_apart / moving);
   }
 
-  [[noreturn]] static void too_short(int from, int to) {
+  [[noreturn]] void too_short(int from, int to) const {
+    // Between the ramps a log of a faster clock repeats the control's positions.
+    const int quarter = (to - from) / 4, middle = std::max(1, to - from - 2 * quarter);
+    int still = 0;
+    for (int k = from + quarter + 1; k <= to - quarter; ++k)
+      still += (at_.col(k) - at_.col(k - 1)).norm() <= threshold_;
+    if (still > standing_part * middle)
+      throw std::invalid_argument(
+          fmt::format("the positions stand still in {} of {} samples amid the leg from sample {} to {}: the log is "
+                      "faster than the control; allowed is one row a sample period of the control",
+                      still, middle, from, to));
     throw std::invalid_argument(fmt::format(
         "no part of the leg from sample {} to {} has a constant speed: the move must be longer than the filter", from,
         to));

@@ -9,6 +9,7 @@
 
 #include <accdec/design.hpp>
 #include <accdec/design/fixed_order.hpp>
+#include <accdec/design/last_zeros.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -239,7 +240,7 @@ class Search {
       last_message_ = result.message;
       return false;
     }
-    const Filter shorter = without_last_zeros(*filter, delays);
+    const Filter shorter = without_last_zeros(task_, *filter, delays);
     if (shorter.order() < order) result = assess(task_, shorter, delays, false);
     const double cost = result.objective() / task_.sample_period;
     if (!incumbent_ || cost < incumbent_->cost - 1e-9) {
@@ -249,18 +250,6 @@ class Search {
                            result.objective() * 1e3));
     }
     return true;
-  }
-
-  /// A filter that holds, without the zero taps at its end that the limits do not need. Symmetric taps lose both ends.
-  Filter without_last_zeros(Filter filter, const std::vector<int>& delays) const {
-    const int ends = task_.design.symmetric ? 2 : 1;
-    while (filter.tap(filter.order()) == 0.0 && filter.order() - ends >= std::max(task_.design.order_min, 0)) {
-      const auto taps = filter.taps();
-      Filter shorter({taps.begin() + (ends - 1), taps.end() - 1});
-      if (assess(task_, shorter, delays, false).status != Status::feasible) break;
-      filter = std::move(shorter);
-    }
-    return filter;
   }
 
   DesignResult finish() {

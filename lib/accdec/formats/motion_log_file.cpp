@@ -185,6 +185,32 @@ std::string in_words(const FittedFilter& fit, double period) {
                      spec.pair_delay == 1.0 ? "sample" : "samples");
 }
 
+/// The legs of a log's command, as remarks.
+std::string moves_in_words(const std::vector<LoggedMove>& moves, double period) {
+  std::string text;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const LoggedMove& move = moves[i];
+    double way = 0.0;
+    for (const double w : move.way) way = std::hypot(way, w);
+    text += fmt::format("# {}: {:.6g} mm in {} samples, {:.6g} mm/min, from sample {}\n",
+                        moves.size() == 1 ? "straight move" : fmt::format("leg {}", i + 1), 1e3 * way, move.samples,
+                        6e4 * move.feed(period), move.first);
+    if (move.first_step < 1.0)
+      text += fmt::format("# it begins {:.2g} of a sample after sample {}: the log's clock is not the control's\n",
+                          1.0 - move.first_step, move.first);
+  }
+  if (moves.size() == 2)
+    text += fmt::format("# delay at the corner: {:.3g} samples\n", delay_between(moves[0], moves[1]));
+  return text;
+}
+
+/// The move of a fit, if it is not as long as that of the best.
+std::string other_move(const FittedFilter& fit, const FittedFilter& best, double period) {
+  if (fit.moves.empty() || std::abs(fit.moves.front().samples - best.moves.front().samples) <= 4) return "";
+  return fmt::format(" behind a move of {} samples at {:.6g} mm/min", fit.moves.front().samples,
+                     6e4 * fit.moves.front().feed(period));
+}
+
 }  // namespace
 
 MotionLog read_motion_log(const std::string& path, double period) {
@@ -197,17 +223,7 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
   std::string text = fmt::format("# found in {}: {}\n", log_name, in_words(best, period));
   text += fmt::format("# where the filter acts, {} differ{} from it by {:.4g} um rms; free taps by {:.4g} um\n",
                       fmt::join(log.axes, ", "), log.axes.size() == 1 ? "s" : "", 1e6 * best.rms, 1e6 * found.taps.rms);
-  for (std::size_t i = 0; i < found.moves.size(); ++i) {
-    double way = 0.0;
-    for (const double w : found.moves[i].way) way = std::hypot(way, w);
-    text += fmt::format(
-        "# {}: {:.6g} mm in {} samples, {:.6g} mm/min, from sample {}\n",
-        found.moves.size() == 1 ? "straight move" : fmt::format("leg {}", i + 1), 1e3 * way, found.moves[i].samples,
-        6e4 * way / ((found.moves[i].samples - 1.0 + found.moves[i].last_step) * period), found.moves[i].first);
-  }
-  if (found.moves.size() == 2)
-    text += fmt::format("# delay at the corner: {} samples\n",
-                        found.moves[1].first - found.moves[0].first - found.moves[0].samples);
+  text += moves_in_words(best.moves, period);
   if (best.family == SettingFamily::taps) {
     text += "# no family of settings fits nearly as well\n";
     if (found.taps.rms > 3.0 * found.log_noise + 1e-7)
@@ -220,8 +236,12 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
     text += fmt::format("# the positions are rounded, which is noise of {:.4g} um or more\n", 1e6 * found.rounding);
   constexpr std::size_t shown = 20;
   for (std::size_t i = 1; i < std::min(found.fits.size(), shown); ++i)
-    text += fmt::format("# also fits: {}, {:.1f} sigma behind, likelihood {:.3g}\n", in_words(found.fits[i], period),
-                        found.fits[i].sigmas, found.fits[i].likelihood);
+    text += fmt::format("# also fits: {}{}, {:.1f} sigma behind, likelihood {:.3g}\n", in_words(found.fits[i], period),
+                        other_move(found.fits[i], best, period), found.fits[i].sigmas, found.fits[i].likelihood);
+  const auto other = [&](const FittedFilter& fit) { return !other_move(fit, best, period).empty(); };
+  if (std::ranges::any_of(found.fits, other))
+    text +=
+        "# a move and an average may exchange their lengths; the programmed feed (--feed-mm-min) tells them apart\n";
   if (found.fits.size() > shown) text += fmt::format("# and {} more\n", found.fits.size() - shown);
   if (!prefilter) return text + "[filter]\n" + filter_keys_of(best.filter);
   const Filter filter = make_filter(best.filter);

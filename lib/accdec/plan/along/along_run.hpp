@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,12 @@ struct AlongRun {
 /// @returns none without arcs, with a stop or a joint inside that grants nothing, or if limits leave no motion
 std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
                                   const Deadline& deadline);
+
+/// Makes a motion along blocks first .. last; one of `most` samples or more is of no use.
+using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::size_t last, std::size_t most)>;
+
+/// The same motion with its runs between stops as they are made, wherever that is faster. In with_runs_along.cpp.
+FreeSamples with_runs(const FreePath& free, const FreeSamples& motion, const MakeRun& make);
 
 /// The same motion with its runs between stops along the path wherever that is faster. In with_runs_along.cpp.
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline);

@@ -16,9 +16,6 @@ namespace {
 
 constexpr std::size_t never = std::size_t{1} << 60;  // samples
 
-/// Makes a motion along blocks first .. last; one of `most` samples or more is of no use.
-using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::size_t last, std::size_t most)>;
-
 /// Puts a motion together, run by run, from another and from runs along the path.
 class Joining {
  public:
@@ -175,6 +172,10 @@ std::optional<AlongRun> resting_run(const FreePath& free, std::size_t first, std
 }
 
 }  // namespace
+
+FreeSamples with_runs(const FreePath& free, const FreeSamples& motion, const MakeRun& make) {
+  return Joining(free, motion, make).run();
+}
 
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline) {
   const auto make = [&](std::size_t first, std::size_t last, std::size_t most) {

@@ -8,7 +8,8 @@ namespace {
 
 constexpr int iterations_max = 60;
 constexpr double accepted_violation = 5e-8;
-constexpr double gap_min = 2e-8;  // per bound
+// Per bound. The gap grows if no point is within the bounds.
+constexpr double gap_min = 2e-8, gap_start = 0.1, hopeless = 1e5 * gap_start;
 
 double change(const LinearForm& form, const std::vector<double>& d) {
   double sum = 0.0;
@@ -72,7 +73,7 @@ void ConeProgram::evaluate(const std::vector<double>& z) {
 }
 
 void ConeProgram::start() {
-  constexpr double least = 0.1, mu = 0.1;
+  constexpr double least = 0.1, mu = gap_start;
   for (Row& row : rows_) {
     row.slack = {std::max(1.0 - row.value, least), std::max(1.0 + row.value, least)};
     row.dual = {mu / row.slack[0], mu / row.slack[1]};
@@ -265,7 +266,7 @@ bool ConeProgram::solve(std::vector<double>& z, bool maximise) {
     const double mu = gap();
     const double broken = violation();
     if (broken <= accepted_violation && (!maximise || mu < gap_min)) return true;
-    if (!(mu < 1e12)) return false;
+    if (!(mu < hopeless)) return false;
     assemble();
     if (!factor()) return false;
     newton(0.0, false, maximise);

@@ -51,6 +51,7 @@ class Shortening {
     const std::size_t length = part_.end - part_.begin;
     const std::size_t step = window_.size / 2;
     std::size_t from = 0;
+    double gained = 0.0;
     bool done = false;
     for (;; from += step) {
       if (stop()) break;
@@ -59,7 +60,10 @@ class Shortening {
         done = true;
         break;
       }
-      advance(from);
+      // The next window may gain what the last one did.
+      const double before = shift_, room = static_cast<double>(length) - landing - end;
+      advance(from, gained > 1.0 && gained < room ? gained : 0.0);
+      gained = shift_ - before;
     }
     if (!land(from, done) || !kept()) return {};
     return std::move(result_);
@@ -173,11 +177,15 @@ class Shortening {
 
   /// One window: passes slide along the guess until nothing is gained, then they are held where they have come to. If
   /// they cannot be, they slide less; in the end they stay where they were.
-  void advance(std::size_t from) {
+  /// @param faster  samples by which the first guess is faster than the motion
+  void advance(std::size_t from, double faster) {
     const Window old = window_at(from, window_.size, 0.0);
     if (cruises(old)) return;
-    Window w = old;
-    double shift = shift_;
+    Window w = window_at(from, window_.size, faster);
+    double shift = shift_ + faster;
+    if (faster > 0.0 && !w.passes.empty() && slide_passes(from, 1.0, w, shift) && hold(from, w, shift)) return;
+    w = window_at(from, window_.size, 0.0);
+    shift = shift_;
     for (double slide = 1.0; slide > 0.1 && !w.passes.empty(); slide *= 0.3) {
       slide_passes(from, slide, w, shift);
       if (hold(from, w, shift)) return;
@@ -185,8 +193,10 @@ class Shortening {
     hold(from, old, shift_);
   }
 
-  /// Solves with sliding passes as long as that gains. @param shift  of the motion after the window
-  void slide_passes(std::size_t from, double slide, Window& w, double& shift) {
+  /// Solves with sliding passes as long as that gains.
+  /// @param shift  of the motion after the window
+  /// @returns false if the guess is faster than the motion and no motion is as fast
+  bool slide_passes(std::size_t from, double slide, Window& w, double& shift) {
     const double most = static_cast<double>(part_.end - part_.begin) - static_cast<double>(from + window_.size);
     double share = 0.0;
     for (int round = 0; round < rounds_max && slide > 0.05; ++round) {
@@ -196,6 +206,7 @@ class Shortening {
       trial.slide = slide;
       set_after(trial, from, base, reach);
       if (!solve(trial, true, share) || base + share * reach < shift - 0.5) {
+        if (round == 0 && shift > shift_) return false;
         slide *= 0.5;
         continue;
       }
@@ -205,6 +216,7 @@ class Shortening {
       w = std::move(trial);
       if (gained < worth) break;
     }
+    return true;
   }
 
   /// Solves with passes that stay, and takes the answer.

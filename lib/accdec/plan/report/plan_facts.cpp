@@ -2,8 +2,10 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
@@ -45,6 +47,21 @@ bool rests_after(const Plan& plan, std::size_t block) {
 
 std::size_t blocks_of(const Toolpath& programmed) {
   return static_cast<std::size_t>(std::count(programmed.inside_arc.begin(), programmed.inside_arc.end(), 0));
+}
+
+std::size_t smooth_turns(const Toolpath& path) {
+  return static_cast<std::size_t>(std::count(path.joint.begin(), path.joint.end(), Joint::smooth));
+}
+
+std::string judged_at_ends(const ProgramResult& result) {
+  std::set<std::string> axes;
+  for (const LimitUse& use : result.check.limits) {
+    if (use.kind == LimitKind::residual) axes.insert(use.axis);
+  }
+  const std::size_t turns = smooth_turns(result.plan.path);
+  if (axes.empty() || turns == 0) return "";
+  return fmt::format("{} of {}: judged at the ends of arcs and other smooth turns, not inside them ({} points)",
+                     to_string(LimitKind::residual), fmt::join(axes, ", "), turns);
 }
 
 double largest_widening(const Toolpath& path) {

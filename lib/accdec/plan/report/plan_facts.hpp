@@ -22,6 +22,13 @@ std::vector<std::string> control_needs(const ProgramResult& result);
 /// Blocks of a path as it was read; the chords of an arc are one.
 std::size_t blocks_of(const Toolpath& programmed);
 
+/// Smooth turns of a path, such as those between the chords of arcs. Behind them the motion does not go on evenly, so
+/// an amplitude that a mode of an axis keeps is judged at the ends of such turns, not inside them.
+std::size_t smooth_turns(const Toolpath& path);
+
+/// The same in words, with the axes whose modes' amplitudes are limited; empty: there is no such turn or no such limit.
+std::string judged_at_ends(const ProgramResult& result);
+
 /// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double largest_widening(const Toolpath& path);
 

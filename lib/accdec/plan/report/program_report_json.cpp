@@ -22,6 +22,7 @@ Json number(double value) {
 
 Json limits_json(const ProgramResult& result) {
   Json list = Json::array();
+  const std::size_t turns = smooth_turns(result.plan.path);
   for (const LimitUse& use : result.check.limits) {
     const double in_si = si_over_inside(use.kind, use.axis);
     Json item{{"kind", to_string(use.kind)},
@@ -33,6 +34,7 @@ Json limits_json(const ProgramResult& result) {
               {"sample", use.sample}};
     if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
+    if (use.kind == LimitKind::residual && turns > 0) item["smooth_turns_judged_at_ends"] = turns;
     list.push_back(std::move(item));
   }
   return list;

@@ -239,6 +239,7 @@ class SummaryText {
           : of_mode(use.kind)              ? fmt::format("line {}, {}", use.line, place_of_vibration(use, 4))
                                            : fmt::format("line {}", use.line));
     }
+    if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
     for (const AxisLoad& load : result_.loads) {
       const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
+#include <accdec/plan/along/coarse_runs.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/run/along_plan.hpp>
@@ -86,7 +87,7 @@ AlongPlan if_faster(AlongPlan begun, FreeSamples samples, const ProgramResult& p
   if (!(samples.position.size() < begun.samples.position.size())) return begun;
   ProgramResult result = with_samples(profiles, samples);
   const std::string broken = judge_free_motion(result, tube.machine);
-  if (!broken.empty() && tell) tell("legs by themselves were refused by the check of their samples: " + broken);
+  if (!broken.empty() && tell) tell(std::string(method) + " were refused by the check of their samples: " + broken);
   if (!broken.empty() || !(result.cycle_time < begun.result.cycle_time)) return begun;
   result.solver.method = method;
   return {std::move(result), std::move(samples)};
@@ -109,6 +110,9 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
   options.free.tell("legs from stop to stop");
   begun = with_fastest_legs(std::move(begun), profiles, tube, options.deadline, tell);
+  FreeReport coarse;
+  FreeSamples splines = with_coarse_runs(tube, begun.samples, options.free, options.deadline, coarse);
+  begun = if_faster(std::move(begun), std::move(splines), profiles, tube, "windows of splines by interior point", tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   ProgramResult result = with_samples(profiles, begun.samples);
   const std::string broken = judge_free_motion(result, machine);
@@ -118,7 +122,7 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
   else
     result.solver.method = "windows by interior point";
   if (result.plan.trajectory()->is_free()) result.candidates = {time_of(profiles)};
-  result.solver.evaluations = report.programmes;
+  result.solver.evaluations = coarse.programmes + report.programmes;
   return result;
 }
 
