@@ -179,7 +179,8 @@ def value_at(task, taps, delays, limit):
 
 
 def contour(corner, motion, taps):
-    """Largest distance of the path from the two legs, m: at 33 points of every line between samples of the blend."""
+    """Largest distance of the path from the two legs, m: at 33 points of every line between samples of the blend. At
+    the ends of the blend it is that from the leg's own line, which the motion keeps far from the corner."""
     position = np.stack([p @ taps for p in motion.position], axis=1)
     shares = np.linspace(0.0, 1.0, 33)[:, None, None]
     path = (position[:-1] + shares * (position[1:] - position[:-1])).reshape(-1, position.shape[1])
@@ -188,7 +189,8 @@ def contour(corner, motion, taps):
     for leg in (-u1, u2):
         along = np.maximum(path @ leg, 0.0)
         distances.append(np.linalg.norm(path - along[:, None] * leg, axis=1))
-    return float(np.minimum(*distances).max())
+    ends = (np.linalg.norm(x - (x @ u) * u) for x, u in ((position[0], u1), (position[-1], u2)))
+    return float(max(np.minimum(*distances).max(), *ends))
 
 
 def corner_error(motion, taps):

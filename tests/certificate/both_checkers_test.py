@@ -38,6 +38,35 @@ class BothCheckers(unittest.TestCase):
             self.assertIn("" if expected is True else expected, words)
 
 
+LINE = """sample_period_ms = 1
+[filter]
+kind = "averages"
+lengths = [9, 1]
+[[axis]]
+servo_gain_1_s = 30
+[[axis]]
+servo_gain_1_s = 300
+[[corner]]
+angle_deg = 25
+heading_deg = 45
+feed_in_mm_min = 6000
+feed_out_mm_min = 1500
+contour_max_um = {contour}
+"""
+
+
+class ServosThatDiffer(BothCheckers):
+    def test_a_leg_off_its_line(self):
+        """100 mm/s (1/30 - 1/300) s/2 = 1.5 mm beside leg 1, whatever the filter."""
+        broken = designed(LINE.format(contour=1499.9))
+        self.assertEqual((broken["status"], broken["certificate"]["kind"]), ("infeasible", "constant feed"))
+        self.both(broken, True)
+        held = designed(LINE.format(contour=1500.1))
+        self.assertAlmostEqual(held["corners"][0]["contour_deviation_m"], 1.5e-3, delta=1e-11)
+        self.assertTrue(verified(held)[0])
+        self.both(dict(broken, task=held["task"]), "constant feed")
+
+
 SLOW = """sample_period_ms = 1
 [controller]
 delays = ["dwell"{kind}]

@@ -45,6 +45,29 @@ TEST(ConstantFeed, EitherSideOfEveryLimit) {
   EXPECT_FALSE(broken(speed, 0.0999));
 }
 
+// Legs at 45 degrees, 0.1 m/s: the axes lag by 0.1/sqrt(2) (1 - g)/Kv, or by the mean of the taps.
+TEST(ConstantFeed, ServosThatDifferLeaveTheLine) {
+  const auto broken = [](const std::function<void(Axis&)>& set, double contour) {
+    Task task = task_at_feed();
+    task.corners[0] = testing::plane_corner("A", 90, 45, 0.1, 0.1);
+    task.corners[0].contour_max = contour;
+    task.machine.axes[0].servo_gain = 100.0, task.machine.axes[0].velocity_feedforward = 0.5;
+    set(task.machine.axes[1]);
+    return broken_at_constant_feed(task) != "";
+  };
+  const auto ideal = [](Axis&) {};
+  const auto slower = [](Axis& axis) { axis.servo_gain = 50.0; };
+  const auto taps = [](Axis& axis) { axis.response_taps = {0.25, 0.25, 0.5}; };
+  const auto same = [](Axis& axis) { axis.response_taps = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0}; };
+  for (const auto& [set, lag] :
+       {std::pair<std::function<void(Axis&)>, double>{ideal, 0.0}, {slower, 0.02}, {taps, 1.25e-3}}) {
+    const double off = 0.1 * std::abs(0.005 - lag) / 2.0;
+    EXPECT_TRUE(broken(set, 0.9999 * off)) << lag;
+    EXPECT_FALSE(broken(set, 1.0001 * off)) << lag;
+  }
+  EXPECT_FALSE(broken(same, 1e-9));
+}
+
 // At 1 ms the sample rate is 1000 Hz: there every filter has a response of 1.
 TEST(ConstantFeed, BandsAcrossTheSampleRate) {
   const auto broken = [](double low, double high, double residual) {

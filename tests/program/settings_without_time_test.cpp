@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
@@ -13,6 +14,7 @@
 
 #include "corner_program.hpp"
 #include "reference.hpp"
+#include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 
 // Settings for a program when there is little time to plan them, and with more kinds of delays.

@@ -64,7 +64,8 @@ def test_bounds_stand_beside_their_classes_of_motions(fixed):
     assert plan.bounds[0]["time"] == plan.lower_bound
     for bound in plan.bounds:
         assert 0 < bound["time"] <= plan.cycle_time and bound["motions"]
-        assert f"at least {bound['time']:.6g} s ({bound['name']})" in repr(plan)
+        # A slow machine adds "not finished" to a bound.
+        assert f"at least {bound['time']:.6g} s ({bound['name']}" in repr(plan)
     assert "bound, any motion" in str(plan)
 
 

@@ -4,6 +4,7 @@
 
 #include <accdec/corner.hpp>
 #include <accdec/filter.hpp>
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/simulation.hpp>
@@ -62,6 +63,26 @@ TEST(ResponseOfTheServo, FollowsAsFarBehindAsTheGainSays) {
   const auto row = sampled.command.cruise_in;
   const double behind = (sampled.command.position.row(row) - sampled.motion().position.row(row)).norm();
   EXPECT_NEAR(behind, 0.1 * 0.6 / 200.0, 1e-15);
+}
+
+/// At constant feed the axes lag v_x/Kx and v_y/Ky: across a leg at 45 degrees that is v (1/Kx - 1/Ky)/2. It counts far
+/// before the corner on leg 1, and far behind it on leg 2, although the other leg is nearer at the corner.
+TEST(ResponseOfTheServo, StraightLegsLeaveTheirLinesIfServosDiffer) {
+  const double off = 0.1 * (1.0 / 30.0 - 1.0 / 300.0) / 2.0, eighth = M_PI / 4.0, turn = 155.0 * M_PI / 180.0;
+  for (const bool leg_2 : {false, true}) {
+    Task task = one_corner(30.0, 0.0);
+    task.machine.axes[1].servo_gain = 300.0;
+    const PlanarLegs legs{M_PI - turn, leg_2 ? eighth - turn : eighth, Turn::left};
+    task.corners[0] = leg_2 ? TaskCorner("A", legs, 0.025, 0.1) : TaskCorner("A", legs, 0.1, 0.025);
+    const Filter filter = trapezoid(9, 1);
+    EXPECT_NEAR(measured(task, filter, 0).contour_deviation, off, 1e-11) << leg_2;
+    const FilterBehind behind(filter, task.machine, task.sample_period);
+    EXPECT_NEAR(measure(behind, task.corners[0].geometry(), 0, task.sample_period).contour_deviation, off, 1e-11);
+    for (const double part : {0.99, 1.01}) {
+      task.corners[0].contour_max = part * off;
+      EXPECT_EQ(verify_by_simulation(task, filter, {0}).feasible, part > 1.0);
+    }
+  }
 }
 
 /// The limits of velocity, acceleration and jerk are of the command, force and power of the motion.

@@ -98,8 +98,12 @@ def corner_speed(problem):
     raise Refused("no smallest speed is surely too much within its corner's error")
 
 
-def contradiction(result, problem, certificate):
+def refuse_unless_infeasible(result):
     refuse_if(result["status"] != "infeasible", "the certificate is one of infeasibility, the status is not")
+
+
+def contradiction(result, problem, certificate):
+    refuse_unless_infeasible(result)
     return {"constant feed": constant_feed, "corner speed": corner_speed}[certificate["kind"]](problem)
 
 

@@ -40,6 +40,36 @@ std::string broken_on_leg(const Axis& axis, const Interval& component, double fe
   return {};
 }
 
+/// By how much time an axis lags behind a command of constant speed, s.
+Interval lag(const Axis& axis, double period) {
+  if (axis.response_taps.empty()) {
+    if (axis.servo_gain == unlimited) return 0.0;
+    return (Interval(1.0) - Interval(axis.velocity_feedforward)) / Interval(axis.servo_gain);
+  }
+  Interval sum = 0.0, late = 0.0;
+  double samples = 0.0;
+  for (const double tap : axis.response_taps)
+    sum = sum + Interval(tap), late = late + Interval(tap) * Interval(samples++);
+  return late / sum * Interval(period);
+}
+
+/// Whether axes that lag differently surely leave the line of a leg by more than a distance. Axes a and b leave it by
+/// (lag_a - lag_b) v_a v_b/v in their plane. The squares of all pairs add up.
+bool leaves_line(const Task& task, const Eigen::VectorXd& direction, double feed, double allowed) {
+  Interval squares = 0.0;
+  for (std::size_t a = 0; a < task.machine.axes.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const Interval apart =
+          lag(task.machine.axes[a], task.sample_period) - lag(task.machine.axes[b], task.sample_period);
+      const Interval part = (apart * Interval(feed) * Interval(direction[static_cast<Eigen::Index>(a)]) *
+                             Interval(direction[static_cast<Eigen::Index>(b)]))
+                                .magnitude();
+      squares = squares + part * part;
+    }
+  }
+  return square_root(squares).lo > allowed;
+}
+
 /// A frequency n/T that an undamped mode's band holds: sum_i b_i exp(-2 pi j n i) is 1 for every filter.
 std::string broken_by_sampling(const Mode& mode, double period) {
   if (!(mode.residual_max < 1.0) || !mode.undamped()) return {};
@@ -73,6 +103,10 @@ std::string broken_at_constant_feed(const Task& written) {
         if (!broken.empty()) return fmt::format("corner {}: {} at constant feed", corner.name, broken);
       }
     }
+    const Corner& g = corner.geometry();
+    if (corner.contour_max && (leaves_line(task, g.direction_in, g.feed_in, *corner.contour_max) ||
+                               leaves_line(task, g.direction_out, g.feed_out, *corner.contour_max)))
+      return fmt::format("corner {}: the servos leave the line of a leg at constant feed", corner.name);
     if (corner.speed_min > corner.geometry().feed_in || corner.speed_min > corner.geometry().feed_out)
       return fmt::format("corner {}: the smallest speed allowed is above the feed of a leg", corner.name);
   }

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include <accdec/design/differing_servos.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
@@ -27,34 +25,6 @@ Task with_servo_of(const Task& task, std::size_t axis) {
     other.response_taps = servo.response_taps;
   }
   return common;
-}
-
-/// Distance from the line of a leg at its constant feed, m: every axis lags by the mean of its own response.
-double off_line(const Response& response, const Eigen::VectorXd& along, double step) {
-  Eigen::VectorXd behind = along;
-  for (Eigen::Index a = 0; a < along.size(); ++a) {
-    const std::vector<double> taps = response.servo(static_cast<std::size_t>(a));
-    double mean = 0.0;
-    for (std::size_t i = 0; i < taps.size(); ++i) mean += taps[i] * static_cast<double>(i);
-    behind[a] *= step * mean;
-  }
-  return (behind - behind.dot(along) * along).norm();
-}
-
-/// The contour that a leg leaves at its feed, whatever the filter; empty if there is none.
-std::string contour_at_feed(const Task& task) {
-  const Response response(task.machine, task.sample_period);
-  for (const TaskCorner& corner : task.corners) {
-    const Corner& g = corner.geometry();
-    const double off = std::max(off_line(response, g.direction_in, g.feed_in * task.sample_period),
-                                off_line(response, g.direction_out, g.feed_out * task.sample_period));
-    if (corner.contour_max && off > *corner.contour_max * (1.0 + 1e-6) + position_floor)
-      return fmt::format(
-          "contour of corner {}: at constant feed the servos leave the line of a leg by {:.4g} um, the "
-          "limit is {:g} um",
-          corner.name, 1e6 * off, 1e6 * *corner.contour_max);
-  }
-  return "";
 }
 
 /// The best of several designs, each with the smallest delays that its filter has with the axes as they are.
@@ -97,11 +67,6 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
   const auto left = [&] { return options.time_limit - seconds_since(began); };
   const auto stopped = [&] { return left() <= 0.0 || (options.cancel != nullptr && options.cancel->load()); };
   BestOf designs(task);
-  if (std::string why = contour_at_feed(task); !why.empty()) {
-    DesignResult none = designs.best();
-    none.message = std::move(why);
-    return none;
-  }
   const std::size_t axes = task.machine.axes.size();
   for (std::size_t a = 0; a < axes && !stopped(); ++a) {
     DesignOptions part = options;

@@ -13,9 +13,8 @@ namespace accdec {
 namespace {
 
 constexpr std::size_t most_exchanged = 30;  // members of a family and a number of averages
-constexpr int shortest_move = 2;            // samples; one is a step
+constexpr int shortest_move = 3;            // samples; fewer are nearly a step
 constexpr int shortest_of_parts = 8;  // samples, if the first and last may be shorter: few fit nearly any short filter
-constexpr double longest_first = 1.0 + 1e-9;  // of readings that fit alike, the one with the longest move stands first
 
 /// With the length of one average in place of another one; none if the filter becomes too long.
 std::optional<FilterSpec> with_length(FilterSpec spec, int before, int now, int order_max) {
@@ -39,8 +38,9 @@ class Exchanger {
       if (length < shortest_move || length >= count) continue;
       // The legs would overlap.
       if (fit.first.back() != fit.first.front() && fit.first.back() - fit.first.front() < length) continue;
-      offer(member, length, count, member.reading.ends);
-      if (length < shortest_of_parts) continue;
+      const bool parts = length >= shortest_of_parts;
+      if (parts || member.reading.ends == Ends::whole) offer(member, length, count, member.reading.ends);
+      if (!parts) continue;
       // A move with a shorter last step is no average, whose length can only be near.
       for (const Ends ends : {Ends::last, Ends::both}) {
         for (const int near : {count - 1, count, count + 1}) offer(member, length, near, ends);
@@ -57,7 +57,7 @@ class Exchanger {
     FamilyFit other = member;
     other.fitted.filter = *spec;
     other.reading = {.ends = ends, .samples = length};
-    other.squares = longest_first * window_.fit(make_filter(*spec), 1, other.reading).squares;
+    other.squares = window_.fit(make_filter(*spec), 1, other.reading).squares;
     found_.push_back(std::move(other));
   }
 

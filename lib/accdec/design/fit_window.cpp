@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -31,9 +33,11 @@ double moved_at(const std::vector<double>& way, int m) {
   return m <= last ? way[static_cast<std::size_t>(m)] : way.back() + (m - last);
 }
 
-/// The part of a leg's full steps that it has moved m samples after it began.
-double part_moved(const std::vector<double>& reached, int m, int count) {
-  return (moved_at(reached, m) - moved_at(reached, m - count)) / count;
+/// The part of a leg's full steps that it has moved.
+/// @param at  d: full-speed samples that it has moved d samples later, one number or one of every sample
+template <class Value, class At>
+Value part_moved(const At& at, int count, int later = 0) {
+  return (at(later) - at(later - count)) / count;
 }
 
 /// Additions to the full steps of a leg.
@@ -50,19 +54,21 @@ std::vector<Addition> additions(Ends ends) {
 }
 
 /// Motion of a whole addition, as `part_moved`: a sample more of delay, or a full step more.
-double added(const std::vector<double>& reached, int m, int count, Addition addition) {
-  if (addition == Addition::later) return part_moved(reached, m - 1, count) - part_moved(reached, m, count);
-  if (addition == Addition::last_step) m -= count + 1;
-  return (moved_at(reached, m + 1) - moved_at(reached, m)) / count;
+template <class Value, class At>
+Value added(const At& at, int count, Addition addition) {
+  if (addition == Addition::later) return part_moved<Value>(at, count, -1) - part_moved<Value>(at, count);
+  const int later = addition == Addition::last_step ? -count - 1 : 0;
+  return (at(later + 1) - at(later)) / count;
 }
 
 /// The part of its full steps that a leg of a fit has moved in sample k.
 double part_moved(const std::vector<double>& reached, int k, const CommandFit& fit, std::size_t leg) {
   const int m = k - fit.first[leg], count = fit.count[leg];
-  double part = part_moved(reached, m, count);
+  const auto at = [&](int later) { return moved_at(reached, m + later); };
+  double part = part_moved<double>(at, count);
   Eigen::Index row = 0;
   for (const Addition addition : additions(fit.ends))
-    part += fit.parts(row++, static_cast<Eigen::Index>(leg)) * added(reached, m, count, addition);
+    part += fit.parts(row++, static_cast<Eigen::Index>(leg)) * added<double>(at, count, addition);
   return part;
 }
 
@@ -81,7 +87,33 @@ Filter behind(const Filter& filter, const Filter& smoothing) {
   return smoothing.order() == 0 ? filter : Filter(convolved(filter.taps(), smoothing.taps()));
 }
 
+constexpr int most_legs = 2, most_numbers = 1 + 3 * most_legs;  // start, and of a leg its way and two additions
+/// Small matrices of normal equations, without allocations.
+using Normal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, most_numbers, most_numbers>;
+
 }  // namespace
+
+/// `moved_at` in every compared sample, for a leg that begins `first` samples after the log: the fits of a filter share
+/// these columns.
+class FitWindow::Columns {
+ public:
+  Columns(std::vector<double> reached, const std::vector<int>& rows) : reached_(std::move(reached)), rows_(rows) {}
+
+  const Eigen::VectorXd& from(int first) {
+    const auto [found, added] = columns_.try_emplace(first);
+    Eigen::VectorXd& column = found->second;
+    if (!added) return column;
+    column.resize(static_cast<Eigen::Index>(rows_.size()));
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      column[static_cast<Eigen::Index>(r)] = moved_at(reached_, rows_[r] - first);
+    return column;
+  }
+
+ private:
+  std::vector<double> reached_;
+  const std::vector<int>& rows_;
+  std::map<int, Eigen::VectorXd> columns_;
+};
 
 FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max,
                      const std::vector<double>& smoothing)
@@ -108,56 +140,52 @@ FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int ord
   }
 }
 
-CommandFit FitWindow::fit_at(const std::vector<double>& reached, const std::vector<int>& first,
-                             const std::vector<int>& count, Ends ends) const {
+CommandFit FitWindow::fit_at(Columns& columns, const std::vector<int>& first, const std::vector<int>& count, Ends ends,
+                             double slack) const {
   const auto rows = static_cast<Eigen::Index>(rows_.size()), legs = static_cast<Eigen::Index>(first.size());
   const std::vector<Addition> more = additions(ends);
   const auto kinds = static_cast<Eigen::Index>(more.size());
   Eigen::MatrixXd basis(rows, 1 + legs * (1 + kinds));
   basis.col(0).setOnes();
   for (Eigen::Index s = 0; s < legs; ++s) {
-    const auto leg = static_cast<std::size_t>(s);
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const int m = rows_[static_cast<std::size_t>(r)] - first[leg];
-      basis(r, 1 + s) = part_moved(reached, m, count[leg]);
-      for (Eigen::Index kind = 0; kind < kinds; ++kind)
-        basis(r, 1 + legs * (1 + kind) + s) = added(reached, m, count[leg], more[static_cast<std::size_t>(kind)]);
-    }
+    const int begin = first[static_cast<std::size_t>(s)], samples = count[static_cast<std::size_t>(s)];
+    const auto at = [&](int later) -> const Eigen::VectorXd& { return columns.from(begin - later); };
+    basis.col(1 + s) = part_moved<Eigen::VectorXd>(at, samples);
+    for (Eigen::Index kind = 0; kind < kinds; ++kind)
+      basis.col(1 + legs * (1 + kind) + s) = added<Eigen::VectorXd>(at, samples, more[static_cast<std::size_t>(kind)]);
   }
   CommandFit fit;
   fit.first = first, fit.count = count, fit.ends = ends;
-  const Eigen::MatrixXd normal = basis.transpose() * basis, right = basis.transpose() * at_;
-  fit.parts = parts_of(normal, right, legs, kinds, ends == Ends::between);
-  const Eigen::MatrixXd joined = joined_parts(fit.parts);
-  fit.coefficients = (joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right);
-  const Eigen::VectorXd squares =
-      ((at_ - basis * (joined * fit.coefficients)) * command_.weights.asDiagonal()).rowwise().squaredNorm();
-  fit.squares = squares.sum();
-  const int length = static_cast<int>(reached.size());
-  for (Eigen::Index r = 0; r < rows; ++r) {
-    bool acts = false;
-    for (std::size_t leg = 0; leg < first.size(); ++leg) {
-      const int begun = rows_[static_cast<std::size_t>(r)] - first[leg], ended = begun - count[leg];
-      acts = acts || (begun > 0 && begun < length) || (ended > 0 && ended < length);
-    }
-    if (acts) fit.acting_squares += squares[r], fit.acting += command_.axes();
+  // Products of columns: general products of matrices cost more than these small ones.
+  Eigen::MatrixXd normal(basis.cols(), basis.cols()), right(basis.cols(), at_.cols());
+  for (Eigen::Index i = 0; i < basis.cols(); ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = basis.col(i).dot(basis.col(j));
+    for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) right(i, axis) = basis.col(i).dot(at_.col(axis));
+  }
+  fit.parts = parts_of(normal, right, legs, kinds, ends == Ends::between, slack);
+  const Normal joined = joined_parts(fit.parts);
+  fit.coefficients = Normal(joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right);
+  const Eigen::MatrixXd ways = joined * fit.coefficients;
+  for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) {
+    const double weight = command_.weights[axis];
+    fit.squares += weight * weight * (at_.col(axis) - basis.lazyProduct(ways.col(axis))).squaredNorm();
   }
   return fit;
 }
 
 Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right, Eigen::Index legs,
-                                    Eigen::Index kinds, bool alike) const {
+                                    Eigen::Index kinds, bool alike, double slack) const {
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(kinds, legs);
   std::vector<Eigen::Index> open;  // parts that are not at an end of their range
   for (Eigen::Index i = 0; i < kinds * legs; ++i) open.push_back(i);
   while (!open.empty()) {
-    Eigen::MatrixXd joined(normal.rows(), 1 + legs + static_cast<Eigen::Index>(open.size()));
+    Normal joined(normal.rows(), 1 + legs + static_cast<Eigen::Index>(open.size()));
     joined.setZero();
     joined.leftCols(1 + legs) = joined_parts(parts);
     for (std::size_t i = 0; i < open.size(); ++i)
       joined(1 + legs + open[i], 1 + legs + static_cast<Eigen::Index>(i)) = 1;
-    const Eigen::MatrixXd ways =
-        (joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right) * command_.weights.asDiagonal();
+    const Eigen::MatrixXd ways = Normal(joined.transpose() * normal * joined).ldlt().solve(joined.transpose() * right) *
+                                 command_.weights.asDiagonal();
     // All axes of a leg share a part: the mean of those of the axes, by the squares of their ways.
     double over = 0.0, under = 0.0;
     std::vector<Eigen::Index> inside;
@@ -166,10 +194,10 @@ Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::
       const double product = ways.row(1 + leg).dot(ways.row(1 + legs + static_cast<Eigen::Index>(i)));
       const double square = ways.row(1 + leg).squaredNorm(), part = product / square;
       over += product, under += square;
-      parts(open[i] / legs, leg) = std::clamp(part, 0.0, 1.0);
-      if (part >= 0.0 && part <= 1.0) inside.push_back(open[i]);
+      parts(open[i] / legs, leg) = std::clamp(part, -slack, 1.0 + slack);
+      if (part >= -slack && part <= 1.0 + slack) inside.push_back(open[i]);
     }
-    if (alike) parts.setConstant(std::clamp(over / under, 0.0, 1.0));
+    if (alike) parts.setConstant(std::clamp(over / under, -slack, 1.0 + slack));
     if (alike || inside.size() == open.size()) break;
     for (const Eigen::Index i : inside) parts(i / legs, i % legs) = 0.0;
     open = std::move(inside);
@@ -178,12 +206,13 @@ Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::
 }
 
 CommandFit FitWindow::refit(const Filter& filter, const CommandFit& fit) const {
-  return fit_at(moved(behind(filter, smoothing_)), fit.first, fit.count, fit.ends);
+  Columns columns(moved(behind(filter, smoothing_)), rows_);
+  return fit_at(columns, fit.first, fit.count, fit.ends, 0.0);
 }
 
 CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& reading) const {
   const Filter filter = behind(designed, smoothing_);
-  const std::vector<double> reached = moved(filter);
+  Columns columns(moved(filter), rows_);
   const std::size_t legs = command_.legs.size();
   std::vector<int> first, count;
   for (const LoggedCommand::Leg& leg : command_.legs) {
@@ -192,7 +221,9 @@ CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& rea
     const double begins = leg.first + (reading.samples > 0 ? 0.5 * (length - reading.samples) : 0.0);
     first.push_back(static_cast<int>(std::lround(begins - filter.mean_delay())));
   }
-  CommandFit best = fit_at(reached, first, count, reading.ends);
+  // A command that may not move to the sample where it begins has parts of steps in its place.
+  CommandFit best = fit_at(columns, first, count, reading.ends, around > 0 ? 0.0 : 1.0);
+  std::set<std::pair<std::vector<int>, std::vector<int>>> tried{{first, count}};
   // Coordinate by coordinate: each number is known to a fraction of a sample.
   for (bool better = around > 0; better;) {
     better = false;
@@ -202,18 +233,37 @@ CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& rea
         const std::size_t leg = i / 2;
         (i % 2 == 0 ? f : n)[leg] += step;
         if (n[leg] < 1 || std::abs(f[leg] - first[leg]) > around || std::abs(n[leg] - count[leg]) > around) continue;
-        CommandFit tried = fit_at(reached, f, n, reading.ends);
-        if (tried.squares < best.squares) best = std::move(tried), better = true;
+        if (!tried.emplace(f, n).second) continue;
+        CommandFit other = fit_at(columns, f, n, reading.ends, 0.0);
+        if (other.squares < best.squares) best = std::move(other), better = true;
       }
     }
   }
   return best;
 }
 
-double FitWindow::figure(const CommandFit& fit, int parameters) const {
-  const double part = static_cast<double>(fit.acting) / static_cast<double>(values());
+double FitWindow::figure(const Filter& filter, const CommandFit& fit, int parameters) const {
+  const std::vector<std::vector<double>> modelled = model(filter, fit);
+  const int length = filter.order() + smoothing_.order() + 2;
+  double squares = 0.0;
+  long acting = 0;
+  for (const int k : rows_) {
+    bool acts = false;
+    for (std::size_t leg = 0; leg < fit.first.size(); ++leg) {
+      const int begun = k - fit.first[leg], ended = begun - fit.count[leg];
+      acts = acts || (begun > 0 && begun < length) || (ended > 0 && ended < length);
+    }
+    if (!acts) continue;
+    acting += command_.axes();
+    for (std::size_t a = 0; a < modelled.size(); ++a) {
+      const auto sample = static_cast<std::size_t>(k);
+      const double off = log_.position[a][sample] - modelled[a][sample];
+      squares += std::pow(command_.weights[static_cast<Eigen::Index>(a)] * off, 2);
+    }
+  }
+  const double part = static_cast<double>(acting) / static_cast<double>(values());
   const double numbers = static_cast<double>(command_.legs.size() + 1) * static_cast<double>(command_.axes());
-  return std::sqrt(fit.acting_squares / std::max(1.0, static_cast<double>(fit.acting) - parameters - part * numbers));
+  return std::sqrt(squares / std::max(1.0, static_cast<double>(acting) - parameters - part * numbers));
 }
 
 std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const CommandFit& fit) const {

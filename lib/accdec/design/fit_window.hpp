@@ -32,9 +32,7 @@ struct Reading {
 
 /// One fit of a command behind a filter to a log.
 struct CommandFit {
-  double squares = 0.0;         ///< m^2, sum of squared differences, each times its axis' weight
-  double acting_squares = 0.0;  ///< m^2, the same in the samples in which the filter acts: between rest and full speed
-  long acting = 0;              ///< values in these samples
+  double squares = 0.0;           ///< m^2, sum of squared differences, each times its axis' weight
   std::vector<int> first, count;  ///< of each leg, samples
   Ends ends = Ends::whole;
   Eigen::MatrixXd parts;         ///< of a full step, 0 .. 1, by what the ends add, and leg
@@ -56,18 +54,21 @@ class FitWindow {
   /// Any taps >= 0 of this order with start and ways, by least squares.
   /// @param fit  a command, of whose ways the taps are found first, then ways with the taps, and so on
   Filter free_taps(CommandFit& fit, int order) const;
-  /// m, root of the mean square of a fit's differences in the samples in which the filter acts. The numbers of the
-  /// command are fitted to all samples alike. @param parameters  numbers of the filter that were fitted
-  double figure(const CommandFit& fit, int parameters) const;
+  /// m, root of the mean square of a fit's differences in the samples in which the filter acts: between rest and
+  /// full speed. The numbers of the command are fitted to all samples alike.
+  /// @param parameters  numbers of the filter that were fitted
+  double figure(const Filter& filter, const CommandFit& fit, int parameters) const;
   /// Values that are compared.
   long values() const { return static_cast<long>(rows_.size()) * command_.axes(); }
 
  private:
-  CommandFit fit_at(const std::vector<double>& reached, const std::vector<int>& first, const std::vector<int>& count,
-                    Ends ends) const;
+  class Columns;
+  CommandFit fit_at(Columns& columns, const std::vector<int>& first, const std::vector<int>& count, Ends ends,
+                    double slack) const;
   /// Parts of a full step that the ends of a fit move, of its normal equations. @param alike  all legs have one
+  /// @param slack  by which they may be less than 0 or more than 1
   Eigen::MatrixXd parts_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& right, Eigen::Index legs,
-                           Eigen::Index kinds, bool alike) const;
+                           Eigen::Index kinds, bool alike, double slack) const;
   /// The same command, with the ways that fit this filter best.
   CommandFit refit(const Filter& filter, const CommandFit& fit) const;
   /// With the ways of a fit, and any start.

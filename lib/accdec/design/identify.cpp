@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -19,10 +18,11 @@ namespace {
 constexpr double noise_more = 1.33;
 /// Part of a sample's way that a fit may leave.
 constexpr double unexplained = 0.1;
-constexpr double noise_least = 1e-12;  // m; rounding
-constexpr double exact_part = 0.01;    // of the log's rounding; a fit that leaves less has no part of it
-constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
-constexpr double rare = 6.0;           // the same, of commands that begin or end between samples: one in twenty
+constexpr double noise_least = 1e-12;   // m; rounding
+constexpr double exact_part = 0.01;     // of the log's rounding; a fit that leaves less has no part of it
+constexpr double sure = 20.0;           // of a logarithm of likelihoods, twice
+constexpr double rare = 3.0;            // the same, of commands that begin or end between samples: one in five
+constexpr double longest_first = 1e-3;  // the same; of readings that fit alike, the longest move stands first
 /// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
 constexpr double model_part = 1e-4;
 constexpr double faster = 1.05;   // a move faster by this factor than the log's constant speed is another reading
@@ -244,7 +244,7 @@ class Identifier {
     fitted.filter = {
         .kind = Shape::taps, .order = trimmed.order(), .taps = {trimmed.taps().begin(), trimmed.taps().end()}};
     fitted.parameters = trimmed.order() + 1;
-    fitted.rms = window_.figure(result.fit, fitted.parameters);
+    fitted.rms = window_.figure(trimmed, result.fit, fitted.parameters);
     fitted.moves = moves_of(result.fit);
     return result;
   }
@@ -278,27 +278,30 @@ class Identifier {
     const auto cost = [&](const FamilyFit& c) {
       const Ends ends = c.reading.ends;
       const int numbers = c.fitted.parameters + numbers_of(ends, static_cast<int>(command_.legs.size()));
-      return c.squares / (noise * noise) + numbers * size + (ends == Ends::whole ? 0.0 : rare);
+      return c.squares / (noise * noise) + numbers * size + (ends == Ends::whole ? 0.0 : rare) +
+             (c.reading.samples > 0 ? longest_first : 0.0);
     };
     std::stable_sort(all_.begin(), all_.end(),
                      [&](const FamilyFit& a, const FamilyFit& b) { return cost(a) < cost(b); });
-    double least = std::numeric_limits<double>::infinity(), sum = 0.0;
+    const double all_least = cost(all_.front());
+    double least = all_least, sum = 0.0;
     std::vector<FittedFilter> fits;
     std::vector<Filter> filters;
     for (FamilyFit& c : all_) {
-      const double worse = fits.empty() ? 0.0 : cost(c) - least;
-      if (worse > options_.sigmas * options_.sigmas) break;
+      // A feed that no good fit has is not that of the log.
+      if (cost(c) - all_least > options_.sigmas * options_.sigmas) break;
       // Two families can say the same: an average of 12 with impulses 12 samples apart is one of 24.
       const Filter filter = make_filter(c.fitted.filter);
       if (std::ranges::any_of(filters, [&](const Filter& other) { return same_taps(filter, other); })) continue;
-      const CommandFit fit = window_.fit(filter, 2, c.reading);
+      const CommandFit fit = window_.fit(filter, c.reading.samples > 0 ? 1 : 2, c.reading);
       c.fitted.moves = moves_of(fit);
       if (!possible_(c.fitted.moves)) continue;
       if (fits.empty()) least = cost(c), best_fit_ = fit;
+      const double worse = cost(c) - least;
       filters.push_back(filter);
       c.fitted.sigmas = std::sqrt(worse);
       c.fitted.likelihood = std::exp(-0.5 * worse);
-      c.fitted.rms = window_.figure(fit, c.fitted.parameters);
+      c.fitted.rms = window_.figure(filter, fit, c.fitted.parameters);
       sum += c.fitted.likelihood;
       fits.push_back(c.fitted);
     }

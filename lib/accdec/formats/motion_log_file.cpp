@@ -206,7 +206,7 @@ std::string moves_in_words(const std::vector<LoggedMove>& moves, double period) 
 
 /// The move of a fit, if it is not as long as that of the best.
 std::string other_move(const FittedFilter& fit, const FittedFilter& best, double period) {
-  if (fit.moves.empty() || std::abs(fit.moves.front().samples - best.moves.front().samples) <= 4) return "";
+  if (fit.moves.empty() || std::abs(fit.moves.front().samples - best.moves.front().samples) <= 2) return "";
   return fmt::format(" behind a move of {} samples at {:.6g} mm/min", fit.moves.front().samples,
                      6e4 * fit.moves.front().feed(period));
 }

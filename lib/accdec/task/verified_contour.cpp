@@ -37,6 +37,15 @@ void ContourWatch::add(const Eigen::VectorXd& x, int sample) {
   to_back_ = to_back, to_forward_ = to_forward;
 }
 
+double off_line(const Eigen::MatrixXd& positions, int first, int last, const Eigen::VectorXd& direction) {
+  double most = 0.0;
+  for (int n = first; n <= last; ++n) {
+    const Eigen::VectorXd x = positions.row(n).transpose();
+    most = std::max(most, (x - x.dot(direction) * direction).norm());
+  }
+  return most;
+}
+
 PathDistance path_distance(const Eigen::MatrixXd& positions, const Corner& corner) {
   PathDistance path;
   const Eigen::VectorXd back = -corner.direction_in;

@@ -32,6 +32,10 @@ class ContourWatch {
   double to_back_ = 0.0, to_forward_ = 0.0, deviation_ = 0.0, time_ = 0.0;
 };
 
+/// The largest distance of rows `first` .. `last` from a leg's line, m. At constant feed, servos that differ keep it,
+/// so it is the contour deviation of a leg far from its corner.
+double off_line(const Eigen::MatrixXd& positions, int first, int last, const Eigen::VectorXd& direction);
+
 /// Distance of a path from the nearer leg: at every sample, and between two where it is largest there.
 struct PathDistance {
   std::vector<double> time, distance;  ///< samples, fractions between two; m

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <accdec/machine.hpp>
+#include <accdec/task.hpp>
 #include <accdec/task/simulation.hpp>
 
 // Internal to the room: the verifier's own simulation of what a mode is left with.

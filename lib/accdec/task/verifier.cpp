@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -39,9 +40,17 @@ struct WorstSamples {
   int error = 0, speed = 0, contour = 0;
 };
 
-/// @param longer  samples by which the machine's response lengthens the motion
+/// How far servos that differ keep the motion off the lines of both legs at the ends of the blend, where the feed is
+/// constant. If a part of the feed passes the corner, the legs at their own feeds count, too.
+/// @param lead  samples by which the feed is lowered before the corner, and raised behind it
+std::array<double, 2> off_legs(const SampledMotion& m, const Corner& corner, int blend_end, int lead) {
+  return {off_line(m.position, m.corner - lead, m.corner, corner.direction_in),
+          off_line(m.position, blend_end, blend_end + lead, corner.direction_out)};
+}
+
+/// @param longer  samples by which the machine's response lengthens the motion  @param slow  lead of `off_legs`
 CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, int delay, int order, int longer,
-                             double period, WorstSamples& worst) {
+                             int slow, double period, WorstSamples& worst) {
   CornerResult result;
   result.name = corner.name;
   result.delay = delay;
@@ -67,6 +76,10 @@ CornerResult measure_samples(const SampledMotion& m, const TaskCorner& corner, i
   }
   result.contour_deviation = contour.deviation();
   worst.contour = contour.sample();
+  const std::array off = off_legs(m, corner.geometry(), last, slow);
+  for (const auto& [distance, row] : {std::pair{off[0], m.corner}, std::pair{off[1], last}}) {
+    if (distance > result.contour_deviation) result.contour_deviation = distance, worst.contour = row - m.corner;
+  }
   for (double* distance : {&result.corner_error, &result.polyline_error, &result.contour_deviation})
     *distance = judged_distance(*distance);
   return result;
@@ -106,12 +119,12 @@ void measure_corner(const Task& task, const Filter& filter, const TaskCorner& co
       simulate_response(filter, corner.geometry(), delay, task.sample_period, task.machine, part);
   axis_uses(sampled, task.machine, corner.name, still_speed(corner.geometry()), out.uses);
   WorstSamples worst;
-  out.corners.push_back(
-      measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer, task.sample_period, worst));
+  const int lead = corner_feed_lead(filter.order(), sampled.longer);
+  out.corners.push_back(measure_samples(sampled.motion(), corner, delay, filter.order(), sampled.longer,
+                                        part < 1.0 ? lead : 0, task.sample_period, worst));
   out.corners.back().settling_time =
       settling_time(sampled.motion(), corner, filter.order(), sampled.longer, task.sample_period);
   out.corners.back().feed_part = part;
-  const int lead = corner_feed_lead(filter.order(), sampled.longer);
   out.corners.back().corner_time += corner_feed_loss(part, lead) * task.sample_period;
   const CornerResult& measured = out.corners.back();
   if (corner.error_max) {
@@ -234,7 +247,10 @@ double value_where(const Task& task, const Filter& filter, const std::vector<int
       ContourWatch contour(task.corners[j].geometry());
       for (int at = row; at <= std::min<int>(row + 1, static_cast<int>(m.position.rows()) - 1); ++at)
         contour.add(m.position.row(at).transpose(), at);
-      return contour.deviation();
+      const int end = m.corner + filter.order() + sampled.longer + delays[j] + 1;
+      const int lead = part_of(parts, j) < 1.0 ? corner_feed_lead(filter.order(), sampled.longer) : 0;
+      const std::array off = off_legs(m, task.corners[j].geometry(), end, lead);
+      return std::max({contour.deviation(), row == m.corner ? off[0] : 0.0, row == end ? off[1] : 0.0});
     }
     if (use.kind == LimitKind::residual) {
       std::size_t a = 0;

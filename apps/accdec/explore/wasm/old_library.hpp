@@ -99,6 +99,19 @@ auto max_element(Range&& range, Less before, Projection of) {
   return std::max_element(begin(range), end(range),
                           [&](const auto& a, const auto& b) { return invoke(before, invoke(of, a), invoke(of, b)); });
 }
+template <class Range>
+auto max(Range&& range) {
+  return *std::max_element(begin(range), end(range));
+}
+template <class Range, class Less = std::less<>, class Projection = std::identity>
+void stable_sort(Range&& range, Less before = {}, Projection of = {}) {
+  std::stable_sort(begin(range), end(range),
+                   [&](const auto& a, const auto& b) { return invoke(before, invoke(of, a), invoke(of, b)); });
+}
+template <class Range, class Less = std::less<>>
+void sort(Range&& range, Less before = {}) {
+  std::sort(begin(range), end(range), before);
+}
 template <class Range, class Value, class Less = std::less<>, class Projection = std::identity>
 auto upper_bound(Range&& range, const Value& value, Less before = {}, Projection of = {}) {
   return std::upper_bound(begin(range), end(range), value,

@@ -14,6 +14,7 @@ namespace accdec {
 struct AlongRun {
   std::vector<double> position;  ///< rows, m, from the first sample after the start to that at the end
   std::vector<double> passes;    ///< of the joints inside, samples after the start
+  bool alone = false;            ///< its limits hold between rests only, not right behind another such run
 };
 
 /// The fastest motion along lines and the arcs themselves, with limits axis by axis, see PathSpeed. It keeps feeds,

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -35,12 +36,16 @@ double smallest_tolerance(const Toolpath& path) {
   return least;
 }
 
-/// The path for control points. Dwells are added to the motion that is made of them.
-Toolpath narrowed(Toolpath path, double by) {
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    if (grants(path, b)) path.tolerance[b] -= by;
-  }
+/// The path for control points. At stops it rests for so long (s) that no limit sees the runs before and behind at
+/// once: each is then a motion by itself. Dwells are added to the motion that is made of them.
+Toolpath narrowed(Toolpath path, double by, double rest) {
   path.dwell.clear();
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    if (grants(path, b))
+      path.tolerance[b] -= by;
+    else if (b + 1 < path.blocks() && path.joint[b] != Joint::straight)
+      path.dwell.emplace_back(static_cast<std::uint32_t>(b), rest);
+  }
   path.dwell_first = 0.0;
   return path;
 }
@@ -75,6 +80,7 @@ FreeSamples every_other(const FreePath& fine, const FreeSamples& motion) {
 /// Twice as many control points of the same spline, from rest to rest.
 AlongRun refined(const FreeSamples& coarse, const StopRun& run, std::size_t n) {
   AlongRun fine;
+  fine.alone = true;
   const std::size_t first = run.begin + run.still;
   const auto x = [&](std::size_t k, std::size_t a) { return coarse.position[std::clamp(k, first, run.end) * n + a]; };
   for (std::size_t k = first; k <= run.end; ++k) {
@@ -121,7 +127,7 @@ FreeSamples with_coarse_runs(const FreePath& free, const FreeSamples& motion, co
                              const Deadline& deadline, FreeReport& report) {
   const double period = 2.0 * free.period, least = smallest_tolerance(free.path), loss = bend(free.machine, period);
   if (deadline.over() || !(least < unlimited) || loss > tolerance_share * least) return motion;
-  const Toolpath path = narrowed(free.path, loss);
+  const Toolpath path = narrowed(free.path, loss, static_cast<double>(free.border() - 1) * period);
   const Machine machine = weakened(free.machine, period);
   const FreePath coarse(path, machine, period);
   FreeSamples samples = with_coarse_runs(coarse, every_other(free, motion), options, deadline, report);

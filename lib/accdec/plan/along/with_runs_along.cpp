@@ -50,9 +50,10 @@ class Joining {
     if (!along) return run.end - run.begin;
     return run.along ? run.rest + run.along->position.size() / n_ : never;
   }
-  /// Samples of rest that a run needs more behind one of the other kind. Each is a motion from rest to rest by itself,
-  /// but the differences of the samples around their meeting see both.
-  std::size_t between(const Run& run, bool along) const {
+  /// Samples of rest that a run needs more behind one of the other kind, or where it is made for itself alone. Each is
+  /// a motion from rest to rest by itself, but the differences of the samples around their meeting see both.
+  std::size_t between(const Run& run, bool along, bool before) const {
+    if (along == before && !(along && run.along && run.along->alone)) return 0;
     // A dwell of the motion may begin while it still comes to rest.
     const std::size_t needed = std::max(free_.border() - 1, along ? 0 : run.rest), there = along ? run.rest : run.still;
     return needed - std::min(needed, there);
@@ -63,11 +64,12 @@ class Joining {
     std::vector<std::array<bool, 2>> before(runs_.size());        // kind of the run before it
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       for (const bool along : {false, true}) {
-        const std::size_t other = between(runs_[i], along), own = samples(runs_[i], along);
+        const std::size_t same = between(runs_[i], along, along), other = between(runs_[i], along, !along);
+        const std::size_t own = samples(runs_[i], along);
         std::size_t least = 0;
         before[i][along] = along;
         if (i > 0) {
-          least = total[i - 1][along];
+          least = total[i - 1][along] + same;
           before[i][along] = total[i - 1][!along] + other < least ? !along : along;
           least = std::min(least, total[i - 1][!along] + other);
         }
@@ -92,7 +94,7 @@ class Joining {
   }
   void take(std::size_t i) {
     const Run& run = runs_[i];
-    if (i > 0 && runs_[i - 1].chosen != run.chosen) rest(between(run, run.chosen), run.first);
+    if (i > 0) rest(between(run, run.chosen, runs_[i - 1].chosen), run.first);
     if (run.chosen) rest(run.rest, run.first);
     const auto now = static_cast<double>(result_.count(n_) - 1);
     if (run.chosen) {

@@ -2,6 +2,7 @@
 
 #include <accdec/plan/delays/joint_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
 namespace {

@@ -65,22 +65,24 @@ void estimate_again(const ProgramRecord& record, const Toolpath& programmed, Pro
 }
 
 /// Finds again how much the multipliers of the bound for any motion prove, by code that did not seek them.
-void check_motion_proof(const ProgramRecord& record, const Toolpath& programmed, RecordCheck& check) {
-  if (!record.result.corner_bound || record.result.corner_bound->proofs.empty()) return;
+/// @returns s; 0 without multipliers, or with wrong ones
+double check_motion_proof(const ProgramRecord& record, const Toolpath& programmed, std::vector<std::string>& reasons) {
+  if (!record.result.corner_bound || record.result.corner_bound->proofs.empty()) return 0.0;
   const CornerBound& bound = *record.result.corner_bound;
   const Machine machine = program_machine(record.task.machine, programmed);
   try {
     const double proved = proved_time(programmed, machine, record.result.sample_period, bound.proofs);
     if (!(std::abs(proved - bound.proved) <= 1e-9 * proved))
-      check.reasons.push_back(fmt::format(
-          "any_motion_proof.time_s is recorded as {:.12g}, its multipliers prove {:.12g}", bound.proved, proved));
+      reasons.push_back(fmt::format("any_motion_proof.time_s is recorded as {:.12g}, its multipliers prove {:.12g}",
+                                    bound.proved, proved));
     if (proved > bound.any_motion * (1.0 + 1e-6))
-      check.reasons.push_back(
+      reasons.push_back(
           fmt::format("bounds: any motion is recorded as {:.12g} s, but any_motion_proof proves {:.12g} s",
                       bound.any_motion, proved));
-    check.proved_bound = proved;
+    return proved;
   } catch (const std::invalid_argument& error) {
-    check.reasons.push_back(fmt::format("any_motion_proof: {}", error.what()));
+    reasons.push_back(fmt::format("any_motion_proof: {}", error.what()));
+    return 0.0;
   }
 }
 
@@ -129,9 +131,10 @@ void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
 const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",     "feeds_clamped",
                                               "lower_bound_s", "filter_bound_s", "estimates", "arcs"};
 
-RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, std::string shown) {
+RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, std::string shown,
+                 double proved_bound = 0.0) {
   reasons.insert(reasons.end(), compared.reasons.begin(), compared.reasons.end());
-  return {std::move(reasons), std::move(compared.skipped), std::move(shown), 0.0};
+  return {std::move(reasons), std::move(compared.skipped), std::move(shown), proved_bound};
 }
 
 RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
@@ -148,17 +151,13 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   if (record.filters)
     skip.insert(skip.end(),
                 {"leg_filters", "cycle_time_one_filter_s", "corners.exact_stops", "corners.raised_by_overlap"});
-  RecordCheck proof;
-  if (programmed) check_motion_proof(record, *programmed, proof);
-  check.reasons.insert(check.reasons.end(), proof.reasons.begin(), proof.reasons.end());
+  const double proved = programmed ? check_motion_proof(record, *programmed, check.reasons) : 0.0;
   if (programmed) compare_with_program(record, std::move(*programmed), check);
   if (record.schema == ProgramSchema::program_2) find_other_rules(record, check.found);
   check.found.worst_shown = record.result.worst_shown;
   check.found.today = record.result.today;
-  RecordCheck all =
-      with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown));
-  all.proved_bound = proof.proved_bound;
-  return all;
+  return with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown),
+              proved);
 }
 
 /// As accdec.profiles/1 left room beside arcs for their chords.

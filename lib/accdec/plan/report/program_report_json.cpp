@@ -23,7 +23,9 @@ Json number(double value) {
 Json limits_json(const ProgramResult& result) {
   Json list = Json::array();
   const std::size_t turns = smooth_turns(result.plan.path);
-  for (const LimitUse& use : result.check.limits) {
+  const std::vector<double> left = left_at_end(result);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const LimitUse& use = result.check.limits[i];
     const double in_si = si_over_inside(use.kind, use.axis);
     Json item{{"kind", to_string(use.kind)},
               {"axis", use.axis},
@@ -35,6 +37,7 @@ Json limits_json(const ProgramResult& result) {
     if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
     if (use.kind == LimitKind::residual && turns > 0) item["smooth_turns_judged_at_ends"] = turns;
+    if (use.kind == LimitKind::residual) item["left_at_end"] = number(in_si * left[i]);
     list.push_back(std::move(item));
   }
   return list;
