@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <accdec/design.hpp>
+#include <accdec/design/design_settings.hpp>
 #include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
@@ -168,7 +169,7 @@ void run(const DesignArguments& arguments, Context& context) {
     const double most = arguments.no_baselines ? 0.0 : 1.0;
     table = study::compare_with_baselines(result, std::clamp(left(), 0.0, most));
   }
-  if (table && !result.settings) result.savings = study::savings(*table);
+  if (table && !control_restricts(task)) result.savings = study::savings(*table);
   context.exit_code = deliver(result, arguments.json, context, arguments.certificate_max);
   if (shown) {
     if (table && !arguments.baselines && !table->families.empty()) {

@@ -19,7 +19,7 @@ namespace accdec::cli {
 namespace {
 
 struct IdentifyArguments {
-  std::string log, task, out = "-", figure;
+  std::string log, task, out = "-", figure, units;
   std::optional<double> noise_um, feed_mm_min;
   bool prefilter = false;
 };
@@ -68,12 +68,13 @@ Task task_of(const std::string& path) {
 }
 
 void run(const IdentifyArguments& options, Context& context) {
+  const ColumnUnits units = options.units.empty() ? ColumnUnits{} : column_units(options.units);
   const std::string type = options.figure.empty() ? "" : figure_format(options.figure);
   Task task = task_of(options.task);
   // Otherwise the smoothing found would be one in front of the known one.
   if (options.prefilter) task.machine.prefilter_taps.clear();
   require_outputs({options.out, options.figure}, {options.log, options.task});
-  const MotionLog log = read_motion_log(options.log, task.sample_period);
+  const MotionLog log = read_motion_log(options.log, task.sample_period, units);
   IdentifyOptions choices;
   if (options.noise_um) choices.noise = 1e-6 * *options.noise_um;
   if (options.feed_mm_min) choices.feed = *options.feed_mm_min / 6e4;
@@ -108,6 +109,10 @@ void add_identify(CLI::App& app, Context& context) {
                    "prefilter_taps, the filter found is the one in front of them")
       ->required()
       ->type_name("TASK.toml");
+  command
+      ->add_option("--units", options->units,
+                   "Units of times and positions in columns whose names have none, such as s,mm for t,x,y")
+      ->type_name("TIME,WAY");
   add_output_option(*command, "--out", options->out, "Write [filter] to FILE; - is standard output, the default");
   add_output_option(*command, "--figure", options->figure, "Draw log and fit: .svg, .png, .pdf or .html");
   command

@@ -112,9 +112,15 @@ void require_delays(const ProgramArguments& options, const Task& task) {
                         "exact-stop, in-position, dwell, timed-axis");
 }
 
-/// @throws InputError for a control whose programs nobody knows to write
+/// @throws InputError for a control whose programs nobody knows to write, or that delays in another way
 void require_words(const ProgramArguments& options, const Task& task) {
-  if (options.emit.empty() || !options.dwell_axis.empty() || !task.settings) return;
+  if (options.emit.empty() || !task.settings) return;
+  if (!options.dwell_axis.empty()) {
+    if (task.settings->any_delay()) return;
+    throw error_at_delays(options.task,
+                          "`delays` has no \"timed-axis\", by which programs of --dwell-axis delay; without "
+                          "that option --emit writes the control's own program");
+  }
   try {
     require_dialect(*task.settings);
   } catch (const std::invalid_argument& why) {
@@ -327,10 +333,10 @@ void add_outputs(CLI::App& command, ProgramArguments& options) {
 void add_planning(CLI::App& command, ProgramArguments& options) {
   options.file.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command
-      .add_option(
-          "--time-limit", options.file.time_limit,
-          "Seconds for the whole command; if the task has no filter, its design gets half of them. Without this option "
-          "the design gets 2 s plus 5 ms per block, at most 60 s, and planning takes as long as it needs")
+      .add_option("--time-limit", options.file.time_limit,
+                  "Seconds for the whole command; half of them goes to the search for a filter or for a control's "
+                  "settings. Without this option, the search has 2 s plus 5 ms per block, at most "
+                  "60 s. The plan of what was found then takes as long as it needs")
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,

@@ -100,7 +100,7 @@ void add_verify(CLI::App& app, Context& context) {
       }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
       fmt::print("not checked, because it cannot be recomputed: message, stop, solver{}{}\n",
-                 result.savings ? ", savings" : "",
+                 result.savings && result.savings->by_family ? ", the parts of savings" : "",
                  result.free_taps ? ", free_taps_s between its bound and the time of the settings" : "");
       return;
     }

@@ -16,6 +16,7 @@
 #include <accdec/gcode/run_rs274.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_record.hpp>
+#include <accdec/plan/report/left_at_rest.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/simulate/direct.hpp>
@@ -107,7 +108,7 @@ void print_accepted(const ProgramRecord& record, const RecordCheck& check, bool 
     fmt::print("bound accepted: multipliers prove that any motion takes {:.6g} s or more; the result says {:.6g} s\n",
                check.proved_bound, record.result.corner_bound->any_motion);
   if (const std::string ends = judged_at_ends(record.result); !ends.empty()) fmt::print("{}\n", ends);
-  for (const std::string& left : left_at_end_in_words(record.result, left_at_end(record.result)))
+  for (const std::string& left : left_at_rest_in_words(record.result, left_at_rest(record.result)))
     fmt::print("{}\n", left);
   if (read) {
     fmt::print("{} read again: the plan passes its points in order, within its feeds and with its tolerances\n",

@@ -94,6 +94,25 @@ TEST(CliIdentify, UnitsOfTheColumnsCount) {
   EXPECT_THAT(done.out, HasSubstr("6000 mm/min"));
 }
 
+TEST(CliIdentify, UnitsMayBeGivenBesideTheLog) {
+  Files files;
+  const std::string log = table("t,x", move_behind({22}));
+  const Outcome none = files.identify(log);
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("log.csv:1:1: column `t` names no known unit; allowed are one time"));
+  EXPECT_THAT(none.err, HasSubstr("--units, such as s,mm"));
+  const Outcome given = files.identify(log, {"--units", "ms,mm"});
+  EXPECT_THAT(given.out, HasSubstr("lengths = [22]"));
+  EXPECT_THAT(given.out, HasSubstr("6000 mm/min"));
+  // A column's own unit counts.
+  EXPECT_THAT(files.identify(table("t_ms,x", move_behind({22})), {"--units", "s,mm"}).out, HasSubstr("6000 mm/min"));
+  for (const std::string wrong : {"mm,s", "s", "s,mm,um", ",", "s,feet"}) {
+    const Outcome refused = files.identify(log, {"--units", wrong});
+    EXPECT_EQ(refused.code, 2) << wrong;
+    EXPECT_THAT(refused.err, HasSubstr("`" + wrong + "` is no unit of times and one of positions"));
+  }
+}
+
 /// Whole um: rounding is noise of 1 um / sqrt(12) = 0.2887 um.
 TEST(CliIdentify, WholeMicrometresAreNotExact) {
   Files files;

@@ -81,7 +81,8 @@ TEST_F(ModesCommand, PositionsAreDifferencedTwice) {
 
 TEST_F(ModesCommand, BrokenLogsAreRefusedWithTheirPlace) {
   EXPECT_THAT(refused("").output, HasSubstr("has no header; allowed are one time"));
-  EXPECT_THAT(refused("t,ax\n").output, HasSubstr("fewer than three samples"));
+  EXPECT_THAT(refused("# t\n").output, HasSubstr("bad.csv:1:1: has no header"));
+  EXPECT_THAT(refused("t,ax\n").output, HasSubstr("bad.csv:1:1: has fewer than three samples"));
   EXPECT_THAT(refused("t,speed\n0,1\n").output, HasSubstr("bad.csv:1:3: column `speed`"));
   EXPECT_THAT(refused("t,ax,ax\n").output, HasSubstr("bad.csv:1:6: column `ax` stands twice"));
   EXPECT_THAT(refused("ax,ay\n0,1\n").output, HasSubstr("bad.csv:1:1: the header has no time"));
@@ -89,7 +90,7 @@ TEST_F(ModesCommand, BrokenLogsAreRefusedWithTheirPlace) {
   EXPECT_THAT(refused("t,ax\n0,1\n0.1\n").output, HasSubstr("bad.csv:3:1: the row has 1 values"));
   EXPECT_THAT(refused("t,ax\n0,1\n0,1\n").output, HasSubstr("bad.csv:3:1: the time 0 s is not after"));
   EXPECT_THAT(refused("t,ax\n0,1\n1,1\n9,1\n").output, HasSubstr("bad.csv:4:1: this sample comes 8000 ms after"));
-  EXPECT_THAT(refused("t_ms,ax\n0,1\n1,2\n2,1\n").output, HasSubstr("the log lasts 0.003 s"));
+  EXPECT_THAT(refused("t_ms,ax\n0,1\n1,2\n2,1\n").output, HasSubstr("the log lasts 0.003 s up to line 4"));
 }
 
 }  // namespace

@@ -88,6 +88,16 @@ TEST(FindModes, OfASweep) {
   EXPECT_NEAR(found[0].sweep.rate, 130.0 / 30.0, 0.01 * 130.0 / 30.0);
 }
 
+/// A mode that rings on for long is louder than the sweep behind it for many pieces of the log.
+TEST(FindModes, OfASweepPastAModeThatRingsOn) {
+  const Known mode{13.5, 0.005, 1.0};
+  const auto found = find_modes({log_period, {"x"}, {logged({mode}, Push::sweep, 9.0, 0.02, 3)}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].excitation, Excitation::sweep);
+  EXPECT_NEAR(found[0].frequency, mode.frequency, 0.01 * mode.frequency);
+  EXPECT_NEAR(found[0].damping, mode.damping, 0.2 * mode.damping);
+}
+
 // Noise shows damping to about a part of 1/sqrt(2 pi f z t) only: a log of two minutes to 5 %.
 TEST(FindModes, OfNoise) {
   expect_found({{42.0, 0.03, 1.0}}, Push::noise, 120.0, 3);
@@ -299,6 +309,15 @@ TEST(PowerSpectrum, EnergyIsThatOfTheSignal) {
   for (const double p : spectrum.power) sum += p;
   // Parseval, both signs of the frequency.
   EXPECT_NEAR(2.0 * sum / (2.0 * static_cast<double>(spectrum.power.size())), energy, 1e-3 * energy);
+}
+
+/// A mode that noise shakes rises and falls as if it were jolted. Between such jolts nothing is sure.
+TEST(FindModes, NoiseIsNotManyJolts) {
+  const std::vector<Known> known{{37.6, 0.058, 1.0}};
+  for (unsigned seed = 1; seed < 5; ++seed) {
+    for (const FoundMode& mode : find_modes({log_period, {"x"}, {logged(known, Push::noise, 28.0, 0.02, seed)}}))
+      EXPECT_EQ(mode.excitation, Excitation::noise) << seed;
+  }
 }
 
 TEST(FindModes, RefusesWhatIsTooShort) {

@@ -38,16 +38,15 @@ double way_between(const std::vector<double>& a, const std::vector<double>& b, c
 
 /// By how many standard deviations two cascades differ in a log: the norm of the difference of their motions over the
 /// noise.
-TEST(Identify, SaysHowFarNeighboursAreBehind) {
+void expect_neighbours_behind(int logs) {
   const double noise = 1e-6;
   const std::vector<double> a = taps_of({22, 22}), b = taps_of({23, 21});
   const double sigmas = way_between(a, b, straight_legs) / noise;
   double mean = 0.0;
-  constexpr int logs = 20;
   int right = 0;
-  for (unsigned seed = 1; seed <= logs; ++seed) {
-    const Identification found =
-        identify(simulated(a, straight_legs, noise, seed), task_of(), {.noise = noise, .sigmas = 8.0});
+  for (int seed = 1; seed <= logs; ++seed) {
+    const Identification found = identify(simulated(a, straight_legs, noise, static_cast<unsigned>(seed)), task_of(),
+                                          {.noise = noise, .sigmas = 8.0});
     right += found.fits.front().filter.lengths == std::vector<int>{22, 22} ? 1 : 0;
     for (const FittedFilter& fit : found.fits) {
       const bool averages = fit.family == SettingFamily::averages;
@@ -57,6 +56,14 @@ TEST(Identify, SaysHowFarNeighboursAreBehind) {
   // The difference of both sums of squares has the mean sigmas^2 and the standard deviation 2 sigmas.
   EXPECT_NEAR(mean, sigmas * sigmas, 4.0 * 2.0 * sigmas / std::sqrt(static_cast<double>(logs)) + 0.1 * sigmas * sigmas);
   EXPECT_GE(right, logs * 8 / 10);
+}
+
+TEST(Identify, SaysHowFarNeighboursAreBehind) {
+  expect_neighbours_behind(6);
+}
+
+TEST(IdentifyManyLogs, SayHowFarNeighboursAreBehind) {
+  expect_neighbours_behind(20);
 }
 
 /// Pooled with y, which rests without any, the noise of x would be less by the root of two.
@@ -97,12 +104,13 @@ TEST(Identify, AxesCountByTheirNoise) {
 /// samples of each ramp: squares of 0.29 um^2 together. Chance explains 4 + 4 sqrt(8) = 15.3 squares of the noise with
 /// four taps. At 0.05 um the Gaussian leaves 118 of them, with a standard deviation of 2 sqrt(118) = 22. At 0.1 um it
 /// leaves 29 +- 11, which is less in about one log of nine.
-TEST(Identify, NamesNoGaussianForFourTaps) {
+void expect_four_taps(int logs) {
   const std::vector<double> taps{1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
-  for (const auto& [noise, least] : {std::pair(5e-8, 8), std::pair(1e-7, 6)}) {
+  for (const auto& [noise, least] : {std::pair(5e-8, logs), std::pair(1e-7, logs * 3 / 4)}) {
     int right = 0;
-    for (unsigned seed = 1; seed <= 8; ++seed) {
-      const Identification found = identify(simulated(taps, straight_legs, noise, seed), task_of());
+    for (int seed = 1; seed <= logs; ++seed) {
+      const Identification found =
+          identify(simulated(taps, straight_legs, noise, static_cast<unsigned>(seed)), task_of());
       if (found.fits.front().family != SettingFamily::taps) continue;
       ++right;
       // The true taps leave the noise, which some 110 values tell to 7 %.
@@ -110,6 +118,14 @@ TEST(Identify, NamesNoGaussianForFourTaps) {
     }
     EXPECT_GE(right, least) << noise;
   }
+}
+
+TEST(Identify, NamesNoGaussianForFourTaps) {
+  expect_four_taps(3);
+}
+
+TEST(IdentifyManyLogs, NameNoGaussianForFourTaps) {
+  expect_four_taps(8);
 }
 
 /// Noise that is there only while the filter acts: ways of 43 taps change in 43 samples after the start and after the
@@ -152,16 +168,24 @@ TEST(Identify, RoundingIsNoise) {
 
 /// One and two numbers more lower the logarithm of the likelihood by log(n) / 2 each. Noise alone explains a number by
 /// more than log(n) = 4.7 of its squares in 3 % of all logs; several shapers are tried.
-TEST(Identify, NamesTheSimplestOfShortFilters) {
+void expect_the_simplest(int logs) {
   for (const auto& [length, noise] : {std::pair(1, 5e-6), std::pair(3, 5e-6), std::pair(7, 5e-6)}) {
     int right = 0;
-    constexpr int logs = 8;
-    for (unsigned seed = 1; seed <= logs; ++seed) {
-      const Identification found = identify(simulated(taps_of({length}), straight_legs, noise, seed), task_of());
+    for (int seed = 1; seed <= logs; ++seed) {
+      const Identification found =
+          identify(simulated(taps_of({length}), straight_legs, noise, static_cast<unsigned>(seed)), task_of());
       right += found.fits.front().filter.lengths == std::vector<int>{length} ? 1 : 0;
     }
     EXPECT_GE(right, logs - 1) << length;
   }
+}
+
+TEST(Identify, NamesTheSimplestOfShortFilters) {
+  expect_the_simplest(3);
+}
+
+TEST(IdentifyManyLogs, NameTheSimplestOfShortFilters) {
+  expect_the_simplest(8);
 }
 
 /// An endless pole in front of a smoothing, whose family ends where 1e-4 of the step is left. Taps have no such end,

@@ -8,6 +8,7 @@
 #include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/task.hpp>
+#include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
 
 #include "support/paths.hpp"
@@ -49,6 +50,10 @@ TEST(Quantise, AccelerationAsCounted) {
   expect_whole(result, 8);
   EXPECT_EQ(result.filter->order() + 1, 22);
   EXPECT_NEAR(result.quantisation->unquantised, 0.020, 1e-12);
+  EXPECT_EQ(
+      settings_answer(result),
+      "Set these: the 22 taps in whole numbers over 2^8 that `accdec export` writes; delay at corner A (0 ms). "
+      "22 ms a corner, the fastest whole numbers found, not proved best. Free taps would take 20 ms (9.1 % less).\n");
 }
 
 // A step between two taps must not exceed j T^2/v = 0.005, which is 1.28 units of 8 bits, and so 1. Ramps up and down

@@ -70,13 +70,14 @@ def enters(browser):
     browser.value(enter.format("#path canvas"))
     check(middle[1][int(browser.value(opened))] == middle[0], "without a cursor: the corner in the middle")
     for n in range(12):
-        # Enter in a chart moves the cursor by less than a sample; the distance is that from its mark.
-        browser.value(f"(({{ program, charts }}) => {{ const t = program.plans[0].t_s, i = Math.floor({n + 0.5} * t.length / 12);"
-                      " charts[0].setCursor({ left: charts[0].valToPos(t[i], 'x'), top: 9 }); })(accdecProgram)")
-        browser.value(enter.format("#over-time .draw" if n % 2 else "#path canvas"))
-        far = browser.value(f"(p => p.corners.map(c => Math.hypot(...c.at_mm.map((x, a) => x - p.plans[0].places_mm[a]"
-                            "[accdecProgram.scene.mark]))))(accdecProgram.program)")
-        found = far[int(browser.value(opened))]
+        # In one step: drawing again, at whatever time, may move the cursor or take it away.
+        found, far = browser.value(f"""(({{ program, charts, scene }}) => {{
+            const plan = program.plans[0], i = Math.floor({n + 0.5} * plan.t_s.length / 12);
+            charts[0].setCursor({{ left: charts[0].valToPos(plan.t_s[i], 'x'), top: 9 }});
+            const {{ mark }} = scene;
+            {enter.format("#over-time .draw" if n % 2 else "#path canvas")};
+            const far = program.corners.map(c => Math.hypot(...c.at_mm.map((x, a) => x - plan.places_mm[a][mark])));
+            return [far[{opened}], far]; }})(accdecProgram)""")
         check(abs(found - min(far)) < 1e-9, f"Enter opens the corner {found:.4g} mm from the cursor, none is nearer")
     browser.value("accdecProgram.state.set({ corner: '' })")
 

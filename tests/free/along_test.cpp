@@ -13,6 +13,8 @@
 
 #include <accdec/files.hpp>
 #include <accdec/plan/along/path_speed.hpp>
+#include <accdec/plan/run/along_plan.hpp>
+#include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
@@ -209,6 +211,22 @@ TEST(AlongArcs, SharpCornersOfLinesAndArcsTakeNoLongerThanExactStops) {
     // At each corner two samples of rest lie between motions of two kinds.
     EXPECT_LE(looser.cycle_time, exact.cycle_time + 4.0 * T) << free;
     EXPECT_LE(looser.cycle_time, 2.0 * line + 1.05 * SCurve(0.02 * pi, feed, 0.7 * acceleration, 35.0).time()) << free;
+  }
+}
+
+// The jerk limit sees both circles where they meet. Two samples of rest between them are always enough.
+// The sample at rest that ends a program is counted once.
+TEST(MeetingCircles, TakeTheTimesOfBothAndTwoSamples) {
+  for (const double jerk : {unlimited, 50.0}) {
+    const Task task = arc_task(jerk);
+    const auto time = [&](const std::string& moves) {
+      const Toolpath path = test::path_of("G21 G90 G61.1 F6000\n" + moves + "M2\n", task.machine);
+      const auto along = plan_along(plan_profiles_of({"circles", path, task, Feeds::choose, {}}), task, {});
+      return along ? along->result.cycle_time : unlimited;  // the check of all samples refused it
+    };
+    const double one = time("G2 X0 Y0 I10\n"), two = time("G2 X0 Y0 I10\nG2 X0 Y0 I10\n");
+    EXPECT_LE(two, 2.0 * one + 2.0 * T + 1e-9) << jerk;
+    EXPECT_GE(two, 2.0 * one - T - 1e-9) << jerk;
   }
 }
 

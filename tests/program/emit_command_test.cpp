@@ -136,6 +136,15 @@ TEST_F(ProgramCommand, EmittedForLinuxcncTimesDelaysByMoves) {
   EXPECT_NE(run("program part.ngc --task one.toml --dwell-axis A").code, 0) << "needs --emit";
 }
 
+// A control that delays in another way has no use for moves of an unused axis.
+TEST_F(ProgramCommand, EmittedForLinuxcncNeedsAControlThatCanTimeAMove) {
+  write("other.toml",
+        "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[controller]\ndelays = [\"exact-stop\"]\n");
+  write("part.ngc", "G21 G90 G64 P0.01 F6000\nG1 X20\nG1 Y20\nM2\n");
+  EXPECT_NE(run("program part.ngc --task other.toml --emit a.ngc --dwell-axis A").code, 0);
+  EXPECT_THAT(read("err"), HasSubstr("other.toml:5:10: `delays` has no \"timed-axis\""));
+}
+
 // As rs274 reads it: a program's number moves nothing. With a word behind it, it is a loop or a subroutine.
 TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
   const std::string rest = "N10 G21 G90 G64 P0.05 (start)\nG1 X60 F3000 (cut)\nY60\nM30\n%\n";

@@ -273,6 +273,41 @@ TEST(ProgramPath, AxesThatDifferFollowTheirOwnLoops) {
   }
 }
 
+/// At constant feed a loop lags by (1 - g)/Kv, so that a leg at 45 degrees is off its line by half the difference times
+/// the feed. Feeds above that of the bound fall to it, and take as long as if they were programmed so.
+TEST(ProgramPath, FeedsFallToThoseThatKeepTheContour) {
+  Task task = path_task();
+  for (Axis& axis : task.machine.axes)
+    axis.velocity_feedforward = 0.9, axis.acceleration_max = 20.0, axis.jerk_max = 4e3;
+  task.machine.axes[0].servo_gain = 100.0, task.machine.axes[1].servo_gain = 80.0;
+  task.program_contour_max = 3e-5;
+  const double allowed = 3e-5 / (0.5 * (0.1 / 80.0 - 0.1 / 100.0));
+  const auto part = [](double feed) {
+    return fmt::format("G64 P0.15 F{:.3f}\nG1 X100 Y100\nG1 X0 Y200\nG1 X100 Y300\nM2\n", 6e4 * feed);
+  };
+  for (const Feeds feeds : {Feeds::keep, Feeds::choose}) {
+    SCOPED_TRACE(static_cast<int>(feeds));
+    const Filter filter = trapezoid(60, 20);
+    const ProgramResult fast = run_program({"part", read_path(part(1.4 * allowed), task), task, feeds}, filter);
+    const ProgramResult slow = run_program({"part", read_path(part(allowed), task), task, feeds}, filter);
+    ASSERT_TRUE(fast.verification.feasible) << fast.message;
+    EXPECT_LE(farthest(positions(fast.plan, task.sample_period, true), fast.plan.path), 3e-5 * (1.0 + 1e-9) + 1e-12);
+    const Toolpath& path = fast.plan.path;
+    double top = 0.0;
+    for (std::size_t b = 0; b < path.blocks(); ++b) top = std::max(top, path.length(b) / path.duration[b]);
+    // Moves last whole samples, of which a leg has 589 or more.
+    EXPECT_LE(top, allowed * (1.0 + 1e-9));
+    EXPECT_GE(top, allowed * (1.0 - 1.0 / 589.0));
+    EXPECT_NEAR(fast.cycle_time, slow.cycle_time, 3.0 * task.sample_period);
+    if (feeds == Feeds::choose) continue;
+    ASSERT_EQ(fast.too_fast.size(), 1U);
+    EXPECT_EQ(fast.too_fast.front().limit, "contour");
+    EXPECT_EQ(fast.too_fast.front().blocks, 3U);
+    EXPECT_NEAR(fast.too_fast.front().factor, 1.0 / 1.4, 1e-9);
+    EXPECT_TRUE(slow.too_fast.empty());
+  }
+}
+
 class PathCommand : public ProgramCommand {
  protected:
   void task(const std::string& axes, const std::string& end) {

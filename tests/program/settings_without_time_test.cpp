@@ -2,11 +2,9 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/program.hpp>
@@ -21,8 +19,6 @@
 
 namespace accdec {
 namespace {
-
-using testing::HasSubstr;
 
 Task star_task(std::vector<DelayKind> delays) {
   Task task = test::averages_task(2, std::move(delays));
@@ -64,17 +60,6 @@ TEST(SettingsWithoutTime, ARapidMoveChangesNothing) {
   const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Deadline(0.0), {});
   ASSERT_TRUE(found);
   EXPECT_EQ(make_filter(found->chosen.filter).order() + 2, 17 + 12);
-}
-
-TEST(SettingsWithoutTime, TheAnswerSaysHowManyWerePlanned) {
-  ProgramResult result;
-  result.cycle_time = 65.0;
-  result.settings = ProgramSettings{};
-  result.settings->chosen.family = SettingFamily::averages;
-  result.settings->members = 40400, result.settings->tried = 3, result.settings->complete = false;
-  EXPECT_THAT(program_settings_answer(result), HasSubstr("3 of 40400 settings planned; time limit."));
-  result.settings->complete = true;
-  EXPECT_THAT(program_settings_answer(result), Not(HasSubstr("time limit")));
 }
 
 /// All settings of one average, planned to the end. More kinds of delays begin with the answer of fewer.

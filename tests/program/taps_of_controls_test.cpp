@@ -79,7 +79,7 @@ TEST_F(ProgramCommand, ATimeOfTodayBelowTheBoundOfAnyMotionIsRejected) {
   record["today_s"] = forged;
   write("forged.json", record.dump());
   EXPECT_THAT(run("verify forged.json").out, HasSubstr("answer is not what the other members say"));
-  record["answer"] = fmt::format("{} Today's setting takes {:.6g} s; retuning saves nothing.\n",
+  record["answer"] = fmt::format("{} Today's setting takes {:.6g} s; it is the faster one, keep it.\n",
                                  answer.substr(0, answer.find(" Today's")), forged);
   write("forged.json", record.dump());
   const Output verified = run("verify forged.json");

@@ -24,6 +24,12 @@ def planned(folder, plan, *more):
     return accdec.program(str(STAR), MILL, plan=plan), folder
 
 
+def without_bounds(text):
+    """How close bounds are depends on the clock."""
+    row = r"(?<=>)(any motion|monotone legs)</td>(<td class=.n.[^>]*>[^<]*</td>)*"
+    return re.sub(row + "|at least [^<]*|[0-9]+ linear programs(, not all of them solved)?", "", text)
+
+
 @pytest.fixture(scope="module")
 def fixed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fixed")
@@ -172,15 +178,13 @@ def test_emits_and_draws(fixed):
     assert plan.emit() == (folder / "star.ngc").read_text()
     program = os.environ["ACCDEC_BINARY"]
     subprocess.run([program, "plot", folder / "plan.json", "--out", folder / "star.svg"], check=True)
-    ours, theirs = accdec.plot(plan).svg, (folder / "star.svg").read_text()
-    bounds = re.compile("at least [^<]*")  # how close they are depends on the clock
-    assert bounds.sub("", ours) == bounds.sub("", theirs)
+    assert without_bounds(accdec.plot(plan).svg) == without_bounds((folder / "star.svg").read_text())
     assert "cycle time" in str(plan)
 
 
 def test_the_page_is_that_of_the_program(fixed, profiles):
     for plan, folder in (fixed, profiles):
-        assert plan.page() == (folder / "star.html").read_text()
+        assert without_bounds(plan.page()) == without_bounds((folder / "star.html").read_text())
 
 
 def test_arcs_are_widened(tmp_path):

@@ -7,6 +7,7 @@
 #include <accdec/design.hpp>
 #include <accdec/result.hpp>
 #include <accdec/study/baseline_table.hpp>
+#include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
 #include "support/temporary_folder.hpp"
@@ -80,6 +81,11 @@ TEST(Savings, StepsAreThoseOfAllMembersTried) {
   ASSERT_TRUE(again.savings);
   EXPECT_EQ(again.savings->by_taps, saved->by_taps);
   EXPECT_EQ(again.savings->family, saved->family);
+  EXPECT_TRUE(verify_result(again).accepted);
+  *design.savings->by_taps += 1e-3;
+  EXPECT_THAT(verify_result(design).reasons, ::testing::Contains(HasSubstr("savings, the sum of the parts")));
+  *design.savings = *saved, design.savings->today += 1e-3;
+  EXPECT_THAT(verify_result(design).reasons, ::testing::Contains(HasSubstr("savings.today_s")));
 }
 
 // Without families there is no split, and free taps are of no family to be retuned.

@@ -187,7 +187,7 @@ Answer export_file(const Question& question) {
   if (question.format == "result") {
     DesignResult result =
         question.held > 0 ? *result_of(question) : design_task(task_of(question), options_of(question));
-    if (result.filter && result.task.baseline && !result.task.filter && !result.settings)
+    if (result.filter && result.task.baseline && !result.task.filter && !control_restricts(result.task))
       result.savings = study::savings(study::compare_with_baselines(result, 1.0));
     return {200, type, result_to_json(result)};
   }

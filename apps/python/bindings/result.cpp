@@ -190,7 +190,7 @@ family_bound : float or None
 answer : str
     Sentences on what to set, as the program prints them first; empty if the task says nothing of a control.
 free_taps : float or None
-    s; the best design known of free taps.
+    s; the best design known of free taps with delays of any number of samples.
 nfev : int
 task : Task
 )";

@@ -118,18 +118,28 @@ FoundMode spread_over_parts(const Weighed& whole, const std::vector<std::vector<
   return mode;
 }
 
+constexpr double errors_of_most = 2.6;  // standard errors that hold 99 of 100
+
+/// Whether the errors are larger than what is promised of a mode.
+bool vague(const FoundMode& mode) {
+  return errors_of_most * mode.frequency_error > promised_frequency ||
+         errors_of_most * mode.damping_error > promised_damping;
+}
+
+/// Whether jolts were found in noise: most of them come while it still rings, and no mode between them is certain.
+bool jolts_of_noise(const std::vector<Weighed>& found) {
+  const auto in_noise = [](const Weighed& w) { return vague(w.mode) && 2 * w.mode.overlaps > w.mode.jolts; };
+  return !found.empty() && std::ranges::all_of(found, in_noise);
+}
+
 /// Says which modes are uncertain. Two beside each other that the log does not tell apart become one.
 std::vector<FoundMode> with_doubts(std::vector<FoundMode> modes) {
-  constexpr double sure = 2.6;  // standard errors that hold 99 of 100
-  const auto vague = [](const FoundMode& m) {
-    return sure * m.frequency_error > promised_frequency || sure * m.damping_error > promised_damping;
-  };
   std::vector<FoundMode> kept;
   for (FoundMode& mode : modes) {
     const char* instead = mode.jolts > 0 ? "log more jolts, or harder ones" : "log for longer, or jolt the machine";
     const auto same = std::ranges::find_if(kept, [&](const FoundMode& k) {
       const double apart = std::abs(k.frequency / mode.frequency - 1.0);
-      return apart < sure * std::hypot(k.frequency_error, mode.frequency_error) ||
+      return apart < errors_of_most * std::hypot(k.frequency_error, mode.frequency_error) ||
              (apart < k.damping + mode.damping && vague(k) && vague(mode));
     });
     if (same != kept.end()) {
@@ -156,8 +166,9 @@ std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOption
   }
   const double seconds = log.period * static_cast<double>(log.samples()), needed = 10.0 / used.frequency_min;
   if (seconds < needed) {
-    throw std::invalid_argument(fmt::format("the log lasts {:.4g} s; modes from {:.4g} Hz on need at least {:.4g} s",
-                                            seconds, used.frequency_min, needed));
+    throw std::invalid_argument(
+        fmt::format("the log lasts {:.4g} s{}; modes from {:.4g} Hz on need at least {:.4g} s", seconds,
+                    log.last_line > 0 ? fmt::format(" up to line {}", log.last_line) : "", used.frequency_min, needed));
   }
   std::vector<FoundMode> all;
   for (std::size_t a = 0; a < log.axes.size(); ++a) {
@@ -166,6 +177,10 @@ std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOption
     std::vector<Weighed> all_of_axis = modes_of_sweep(signal, log.period, used);
     const bool swept = !all_of_axis.empty();  // each part has other frequencies
     if (!swept) all_of_axis = modes_behind_jolts(signal, log.period, used);
+    if (!swept && jolts_of_noise(all_of_axis)) {
+      const std::vector<Weighed> noise = modes_of(signal, log.period, used);
+      if (!noise.empty() && noise.front().mode.excitation == Excitation::noise) all_of_axis.clear();
+    }
     const auto modes_by = all_of_axis.empty() ? modes_of : modes_behind_jolts;
     for (std::size_t p = 0; p < parts && seconds >= parts * needed && !swept; ++p)
       others.push_back(modes_by(signal.subspan(p * signal.size() / parts, signal.size() / parts), log.period, used));

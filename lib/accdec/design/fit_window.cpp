@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
+#include <accdec/design/compared_samples.hpp>
 #include <accdec/design/fit_window.hpp>
 #include <accdec/motion/convolved.hpp>
 #include <accdec/nlp/nonnegative.hpp>
@@ -15,23 +15,6 @@ namespace accdec {
 namespace {
 
 constexpr int rest_kept = 20, steady_kept = 20;  // samples beside a ramp
-
-/// q(m) = sum_i b_i max(m - i, 0) for m = 0 .. N + 1: full-speed samples that a leg has moved.
-std::vector<double> moved(const Filter& filter) {
-  std::vector<double> way(static_cast<std::size_t>(filter.order()) + 2, 0.0);
-  double gone = 0.0;
-  for (int i = 0; i <= filter.order(); ++i) {
-    gone += filter.tap(i);
-    way[static_cast<std::size_t>(i) + 1] = way[static_cast<std::size_t>(i)] + gone;
-  }
-  return way;
-}
-
-double moved_at(const std::vector<double>& way, int m) {
-  if (m <= 0) return 0.0;
-  const int last = static_cast<int>(way.size()) - 1;
-  return m <= last ? way[static_cast<std::size_t>(m)] : way.back() + (m - last);
-}
 
 /// The part of a leg's full steps that it has moved.
 /// @param at  d: full-speed samples that it has moved d samples later, one number or one of every sample
@@ -62,9 +45,9 @@ Value added(const At& at, int count, Addition addition) {
 }
 
 /// The part of its full steps that a leg of a fit has moved in sample k.
-double part_moved(const std::vector<double>& reached, int k, const CommandFit& fit, std::size_t leg) {
+double part_moved(const Filter& filter, int k, const CommandFit& fit, std::size_t leg) {
   const int m = k - fit.first[leg], count = fit.count[leg];
-  const auto at = [&](int later) { return moved_at(reached, m + later); };
+  const auto at = [&](int later) { return filter.elapsed_moment(m + later); };
   double part = part_moved<double>(at, count);
   Eigen::Index row = 0;
   for (const Addition addition : additions(fit.ends))
@@ -91,29 +74,20 @@ constexpr int most_legs = 2, most_numbers = 1 + 3 * most_legs;  // start, and of
 /// Small matrices of normal equations, without allocations.
 using Normal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, most_numbers, most_numbers>;
 
-}  // namespace
-
-/// `moved_at` in every compared sample, for a leg that begins `first` samples after the log: the fits of a filter share
-/// these columns.
-class FitWindow::Columns {
- public:
-  Columns(std::vector<double> reached, const std::vector<int>& rows) : reached_(std::move(reached)), rows_(rows) {}
-
-  const Eigen::VectorXd& from(int first) {
-    const auto [found, added] = columns_.try_emplace(first);
-    Eigen::VectorXd& column = found->second;
-    if (!added) return column;
-    column.resize(static_cast<Eigen::Index>(rows_.size()));
-    for (std::size_t r = 0; r < rows_.size(); ++r)
-      column[static_cast<Eigen::Index>(r)] = moved_at(reached_, rows_[r] - first);
-    return column;
+/// The parts that a filter bends in all commands near one.
+/// @param around  how many samples each number may be off; ends may add one
+std::vector<BentPart> bent_near(const Filter& filter, const std::vector<int>& first, const std::vector<int>& count,
+                                int around) {
+  std::vector<BentPart> bent;
+  for (std::size_t leg = 0; leg < first.size(); ++leg) {
+    const int last = first[leg] + count[leg];
+    bent.push_back({first[leg] - around - 1, first[leg] + around + 1 + filter.order()});
+    bent.push_back({last - 2 * around - 1, last + 2 * around + 1 + filter.order()});
   }
+  return bent;
+}
 
- private:
-  std::vector<double> reached_;
-  const std::vector<int>& rows_;
-  std::map<int, Eigen::VectorXd> columns_;
-};
+}  // namespace
 
 FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int order_max,
                      const std::vector<double>& smoothing)
@@ -140,19 +114,20 @@ FitWindow::FitWindow(const MotionLog& log, const LoggedCommand& command, int ord
   }
 }
 
-CommandFit FitWindow::fit_at(Columns& columns, const std::vector<int>& first, const std::vector<int>& count, Ends ends,
-                             double slack) const {
-  const auto rows = static_cast<Eigen::Index>(rows_.size()), legs = static_cast<Eigen::Index>(first.size());
+CommandFit FitWindow::fit_at(ComparedSamples& samples, const std::vector<int>& first, const std::vector<int>& count,
+                             Ends ends, double slack) const {
+  const auto legs = static_cast<Eigen::Index>(first.size());
   const std::vector<Addition> more = additions(ends);
   const auto kinds = static_cast<Eigen::Index>(more.size());
-  Eigen::MatrixXd basis(rows, 1 + legs * (1 + kinds));
-  basis.col(0).setOnes();
+  const Eigen::MatrixXd& positions = samples.at();
+  Eigen::MatrixXd basis(positions.rows(), 1 + legs * (1 + kinds));
+  basis.col(0) = samples.ones();
   for (Eigen::Index s = 0; s < legs; ++s) {
-    const int begin = first[static_cast<std::size_t>(s)], samples = count[static_cast<std::size_t>(s)];
-    const auto at = [&](int later) -> const Eigen::VectorXd& { return columns.from(begin - later); };
-    basis.col(1 + s) = part_moved<Eigen::VectorXd>(at, samples);
+    const int begin = first[static_cast<std::size_t>(s)], length = count[static_cast<std::size_t>(s)];
+    const auto at = [&](int later) -> const Eigen::VectorXd& { return samples.from(begin - later); };
+    basis.col(1 + s) = part_moved<Eigen::VectorXd>(at, length);
     for (Eigen::Index kind = 0; kind < kinds; ++kind)
-      basis.col(1 + legs * (1 + kind) + s) = added<Eigen::VectorXd>(at, samples, more[static_cast<std::size_t>(kind)]);
+      basis.col(1 + legs * (1 + kind) + s) = added<Eigen::VectorXd>(at, length, more[static_cast<std::size_t>(kind)]);
   }
   CommandFit fit;
   fit.first = first, fit.count = count, fit.ends = ends;
@@ -160,7 +135,7 @@ CommandFit FitWindow::fit_at(Columns& columns, const std::vector<int>& first, co
   Eigen::MatrixXd normal(basis.cols(), basis.cols()), right(basis.cols(), at_.cols());
   for (Eigen::Index i = 0; i < basis.cols(); ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = basis.col(i).dot(basis.col(j));
-    for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) right(i, axis) = basis.col(i).dot(at_.col(axis));
+    for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) right(i, axis) = basis.col(i).dot(positions.col(axis));
   }
   fit.parts = parts_of(normal, right, legs, kinds, ends == Ends::between, slack);
   const Normal joined = joined_parts(fit.parts);
@@ -168,7 +143,10 @@ CommandFit FitWindow::fit_at(Columns& columns, const std::vector<int>& first, co
   const Eigen::MatrixXd ways = joined * fit.coefficients;
   for (Eigen::Index axis = 0; axis < at_.cols(); ++axis) {
     const double weight = command_.weights[axis];
-    fit.squares += weight * weight * (at_.col(axis) - basis.lazyProduct(ways.col(axis))).squaredNorm();
+    if (!(weight > 0.0)) continue;
+    fit.squares +=
+        weight * weight *
+        (samples.beside_lines()[axis] + (positions.col(axis) - basis.lazyProduct(ways.col(axis))).squaredNorm());
   }
   return fit;
 }
@@ -206,13 +184,13 @@ Eigen::MatrixXd FitWindow::parts_of(const Eigen::MatrixXd& normal, const Eigen::
 }
 
 CommandFit FitWindow::refit(const Filter& filter, const CommandFit& fit) const {
-  Columns columns(moved(behind(filter, smoothing_)), rows_);
-  return fit_at(columns, fit.first, fit.count, fit.ends, 0.0);
+  const Filter both = behind(filter, smoothing_);
+  ComparedSamples samples(both, rows_, at_, bent_near(both, fit.first, fit.count, 0));
+  return fit_at(samples, fit.first, fit.count, fit.ends, 0.0);
 }
 
 CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& reading) const {
   const Filter filter = behind(designed, smoothing_);
-  Columns columns(moved(filter), rows_);
   const std::size_t legs = command_.legs.size();
   std::vector<int> first, count;
   for (const LoggedCommand::Leg& leg : command_.legs) {
@@ -221,8 +199,9 @@ CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& rea
     const double begins = leg.first + (reading.samples > 0 ? 0.5 * (length - reading.samples) : 0.0);
     first.push_back(static_cast<int>(std::lround(begins - filter.mean_delay())));
   }
+  ComparedSamples samples(filter, rows_, at_, bent_near(filter, first, count, around));
   // A command that may not move to the sample where it begins has parts of steps in its place.
-  CommandFit best = fit_at(columns, first, count, reading.ends, around > 0 ? 0.0 : 1.0);
+  CommandFit best = fit_at(samples, first, count, reading.ends, around > 0 ? 0.0 : 1.0);
   std::set<std::pair<std::vector<int>, std::vector<int>>> tried{{first, count}};
   // Coordinate by coordinate: each number is known to a fraction of a sample.
   for (bool better = around > 0; better;) {
@@ -234,7 +213,7 @@ CommandFit FitWindow::fit(const Filter& designed, int around, const Reading& rea
         (i % 2 == 0 ? f : n)[leg] += step;
         if (n[leg] < 1 || std::abs(f[leg] - first[leg]) > around || std::abs(n[leg] - count[leg]) > around) continue;
         if (!tried.emplace(f, n).second) continue;
-        CommandFit other = fit_at(columns, f, n, reading.ends, 0.0);
+        CommandFit other = fit_at(samples, f, n, reading.ends, 0.0);
         if (other.squares < best.squares) best = std::move(other), better = true;
       }
     }
@@ -267,7 +246,7 @@ double FitWindow::figure(const Filter& filter, const CommandFit& fit, int parame
 }
 
 std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const CommandFit& fit) const {
-  const std::vector<double> reached = moved(behind(filter, smoothing_));
+  const Filter both = behind(filter, smoothing_);
   std::vector<std::vector<double>> positions;
   for (std::size_t a = 0; a < log_.axes.size(); ++a) {
     const auto axis = static_cast<Eigen::Index>(a);
@@ -275,14 +254,13 @@ std::vector<std::vector<double>> FitWindow::model(const Filter& filter, const Co
     for (std::size_t k = 0; k < position.size(); ++k) {
       for (std::size_t leg = 0; leg < fit.first.size(); ++leg)
         position[k] += fit.coefficients(static_cast<Eigen::Index>(leg) + 1, axis) *
-                       part_moved(reached, static_cast<int>(k), fit, leg);
+                       part_moved(both, static_cast<int>(k), fit, leg);
     }
   }
   return positions;
 }
 
 Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
-  const std::vector<double> reached = moved(smoothing_);
   const auto rows = static_cast<Eigen::Index>(rows_.size());
   Eigen::MatrixXd a(rows * command_.axes(), order + 1);
   Eigen::VectorXd b(a.rows());
@@ -296,7 +274,7 @@ Filter FitWindow::taps_for(const CommandFit& fit, int order) const {
       for (int i = 0; i <= order; ++i) {
         double way = 0.0;
         for (std::size_t leg = 0; leg < fit.first.size(); ++leg)
-          way += fit.coefficients(static_cast<Eigen::Index>(leg) + 1, axis) * part_moved(reached, k - i, fit, leg);
+          way += fit.coefficients(static_cast<Eigen::Index>(leg) + 1, axis) * part_moved(smoothing_, k - i, fit, leg);
         a(row, i) = weight * way;
       }
     }

@@ -39,6 +39,8 @@ struct CommandFit {
   Eigen::MatrixXd coefficients;  ///< start, then ways of the legs' full steps, by rows, m; axes by columns
 };
 
+class ComparedSamples;
+
 /// The samples of a log that a filter decides: around starts and stops. Keeps references.
 class FitWindow {
  public:
@@ -62,8 +64,7 @@ class FitWindow {
   long values() const { return static_cast<long>(rows_.size()) * command_.axes(); }
 
  private:
-  class Columns;
-  CommandFit fit_at(Columns& columns, const std::vector<int>& first, const std::vector<int>& count, Ends ends,
+  CommandFit fit_at(ComparedSamples& samples, const std::vector<int>& first, const std::vector<int>& count, Ends ends,
                     double slack) const;
   /// Parts of a full step that the ends of a fit move, of its normal equations. @param alike  all legs have one
   /// @param slack  by which they may be less than 0 or more than 1

@@ -59,14 +59,24 @@ double variance_of(const FilterSpec& spec) {
   return variance_of(spec.lengths) + (shaper == nullptr ? 0.0 : variance_of(*shaper, spec.pair_delay));
 }
 
-/// The least of a function near `best` by golden section.
+/// The least of a function by golden section.
 double golden_least(const std::function<double(double)>& squares, double low, double high, int steps = 30) {
   const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  for (int i = 0; i < steps; ++i) {
-    const double left = high - golden * (high - low), right = low + golden * (high - low);
-    (squares(left) < squares(right) ? high : low) = squares(left) < squares(right) ? right : left;
+  double left = high - golden * (high - low), right = low + golden * (high - low);
+  double at_left = squares(left), at_right = squares(right);
+  for (int i = 0;; ++i) {
+    const bool lower = at_left < at_right;
+    (lower ? high : low) = lower ? right : left;
+    if (i + 1 == steps) return 0.5 * (low + high);
+    // One of the two points of the smaller range is known.
+    if (lower) {
+      right = left, at_right = at_left;
+      at_left = squares(left = high - golden * (high - low));
+    } else {
+      left = right, at_left = at_right;
+      at_right = squares(right = low + golden * (high - low));
+    }
   }
-  return 0.5 * (low + high);
 }
 
 class FamilyFits {

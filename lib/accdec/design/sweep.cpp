@@ -19,6 +19,7 @@ constexpr std::size_t pieces_most = 400;
 /// Frequency = begin + rate t.
 struct Line {
   double rate, begin;
+  double on = 0.0;  // part of the pieces that are
 };
 
 double median(std::vector<double> values) {
@@ -27,26 +28,9 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The line through the loudest frequencies of pieces of the log, if it is one.
-std::optional<Line> line_of(std::span<const double> signal, double period, const DecaySearch& search) {
-  const auto length = static_cast<std::size_t>(piece / period);
-  if (length < 16 || signal.size() < 10 * length) return {};
-  const std::size_t step = std::max(length / 2, signal.size() / pieces_most);
-  std::vector<double> times, frequencies, slopes, begins, faded(length);
-  for (std::size_t at = 0; at + length <= signal.size(); at += step) {
-    for (std::size_t k = 0; k < length; ++k) {
-      const double x = static_cast<double>(k) / static_cast<double>(length);
-      faded[k] = signal[at + k] * (0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * x));
-    }
-    const PowerSpectrum spectrum = power_spectrum(faded, period);
-    const auto low = static_cast<std::ptrdiff_t>(search.frequency_min / spectrum.step);
-    const auto high = static_cast<std::ptrdiff_t>(search.frequency_max / spectrum.step);
-    const auto first = spectrum.power.begin() + low;
-    const auto last = spectrum.power.begin() + std::min(high, std::ssize(spectrum.power));
-    if (last - first < 3) return {};
-    times.push_back(period * (static_cast<double>(at) + 0.5 * static_cast<double>(length)));
-    frequencies.push_back(spectrum.step * static_cast<double>(std::max_element(first, last) - spectrum.power.begin()));
-  }
+/// The line that most of the frequencies at these times are on.
+Line line_through(const std::vector<double>& times, const std::vector<double>& frequencies) {
+  std::vector<double> slopes, begins;
   for (std::size_t i = 0; i < times.size(); ++i) {
     for (std::size_t j = i + times.size() / 10 + 1; j < times.size(); ++j)
       slopes.push_back((frequencies[j] - frequencies[i]) / (times[j] - times[i]));
@@ -55,9 +39,49 @@ std::optional<Line> line_of(std::span<const double> signal, double period, const
   for (std::size_t i = 0; i < times.size(); ++i) begins.push_back(frequencies[i] - line.rate * times[i]);
   line.begin = median(begins);
   const auto near = std::ranges::count_if(begins, [&](double b) { return std::abs(b - line.begin) <= apart; });
-  const double swept = std::abs(line.rate) * period * static_cast<double>(signal.size());
-  if (static_cast<double>(near) < on_line * static_cast<double>(begins.size()) || swept < 10.0 * apart) return {};
+  line.on = static_cast<double>(near) / static_cast<double>(begins.size());
   return line;
+}
+
+/// The line through the loudest frequencies of pieces of the log, if it is one. A mode that rings on for long is louder
+/// than the sweep that has passed it. So each frequency is also compared with itself alone: it is loudest as it is
+/// passed.
+std::optional<Line> line_of(std::span<const double> signal, double period, const DecaySearch& search) {
+  const auto length = static_cast<std::size_t>(piece / period);
+  if (length < 16 || signal.size() < 10 * length) return {};
+  const std::size_t step = std::max(length / 2, signal.size() / pieces_most);
+  std::vector<double> times, faded(length), largest;
+  std::vector<std::vector<double>> powers;  // of every piece, by frequency
+  std::size_t low = 0;
+  double spacing = 0.0;
+  for (std::size_t at = 0; at + length <= signal.size(); at += step) {
+    for (std::size_t k = 0; k < length; ++k) {
+      const double x = static_cast<double>(k) / static_cast<double>(length);
+      faded[k] = signal[at + k] * (0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * x));
+    }
+    const PowerSpectrum spectrum = power_spectrum(faded, period);
+    spacing = spectrum.step, low = static_cast<std::size_t>(search.frequency_min / spacing);
+    const auto high = std::min(static_cast<std::size_t>(search.frequency_max / spacing), spectrum.power.size());
+    if (high < low + 3) return {};
+    powers.emplace_back(spectrum.power.begin() + static_cast<std::ptrdiff_t>(low),
+                        spectrum.power.begin() + static_cast<std::ptrdiff_t>(high));
+    largest.resize(powers.back().size(), 1e-300);
+    for (std::size_t k = 0; k < largest.size(); ++k) largest[k] = std::max(largest[k], powers.back()[k]);
+    times.push_back(period * (static_cast<double>(at) + 0.5 * static_cast<double>(length)));
+  }
+  Line best{0.0, 0.0};
+  for (const bool alone : {false, true}) {
+    std::vector<double> frequencies;
+    for (std::vector<double>& power : powers) {
+      for (std::size_t k = 0; k < power.size() && alone; ++k) power[k] /= largest[k];
+      const auto loudest = static_cast<std::size_t>(std::ranges::max_element(power) - power.begin());
+      frequencies.push_back(spacing * static_cast<double>(low + loudest));
+    }
+    const Line line = line_through(times, frequencies);
+    const double swept = std::abs(line.rate) * period * static_cast<double>(signal.size());
+    if (swept >= 10.0 * apart && line.on > best.on) best = line;
+  }
+  return best.on >= on_line ? std::optional(best) : std::nullopt;
 }
 
 /// From 0 at `from` to 1 at `to`.

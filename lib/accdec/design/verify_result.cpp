@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/certificate.hpp>
+#include <accdec/design/design_settings.hpp>
 #include <accdec/design/verify_settings.hpp>
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/task/check_delays.hpp>
@@ -331,6 +332,27 @@ void check_proof(const DesignResult& result, ResultCheck& report, const std::fun
   report.proof = "every smaller delay breaks a limit";
 }
 
+/// The time with today's filter and its smallest delays is found again. The parts come from a table that is not
+/// recorded: they must have the sum.
+void check_savings(const DesignResult& result, std::vector<std::string>& reasons) {
+  if (!result.savings) return;
+  const Savings& saved = *result.savings;
+  if (!result.task.baseline) return reasons.push_back("savings are recorded, the task names no filter of today");
+  DesignResult again;
+  again.task = result.task, again.cycle_time = result.cycle_time, again.corner_time = result.corner_time;
+  compare_with_today(again);
+  if (!again.savings) return reasons.push_back("savings are recorded, but today's filter breaks a limit");
+  const double floor = tolerance * again.savings->today;
+  Comparison compare(reasons);
+  compare.number("savings.today_s", saved.today, again.savings->today, 0.0);
+  compare.number("savings.total_s", saved.total, again.savings->total, floor);
+  if (result.settings && (saved.by_retuning || saved.by_family || saved.by_taps))
+    reasons.push_back("savings of settings have no parts");
+  if (saved.by_family && saved.by_taps)
+    compare.number("savings, the sum of the parts", saved.by_retuning.value_or(0.0) + *saved.by_family + *saved.by_taps,
+                   again.savings->total, floor);
+}
+
 }  // namespace
 
 ResultCheck verify_result(const DesignResult& result, const std::function<bool()>& stop) {
@@ -366,6 +388,7 @@ ResultCheck verify_result(const DesignResult& result, const std::function<bool()
   compare_choice(result, report.reasons);
   compare_settings(result, report.reasons);
   compare_numbers(result, found, report.reasons);
+  check_savings(result, report.reasons);
   check_proof(result, report, stop);
   check_certificate_words(result, report);
   report.accepted = report.reasons.empty();

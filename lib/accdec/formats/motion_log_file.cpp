@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -21,7 +22,8 @@ namespace {
 
 constexpr double jitter_max = 0.1;  // of a sample period
 constexpr const char* allowed_columns =
-    "allowed are one time (t_s, t_ms or t_us, or time_ ..) and axes with their unit (x_mm, y_um, z_m, a_deg)";
+    "allowed are one time (t_s, t_ms or t_us, or time_ ..) and axes with their unit (x_mm, y_um, z_m, a_deg); "
+    "names without unit take those of --units, such as s,mm";
 
 /// SI of one unit of a column; none for a unit that is not allowed. Degrees are handled like millimetres everywhere.
 std::optional<double> unit_of(std::string_view column, bool time) {
@@ -35,7 +37,8 @@ std::optional<double> unit_of(std::string_view column, bool time) {
 
 class LogReader {
  public:
-  LogReader(std::string name, double period) : name_(std::move(name)), period_(period) {}
+  LogReader(std::string name, double period, const ColumnUnits& units)
+      : name_(std::move(name)), period_(period), units_(units) {}
 
   MotionLog read(std::string_view text) {
     for_each_row(text, [&](std::string_view row, long line) {
@@ -61,14 +64,14 @@ class LogReader {
   void header(std::string_view row, long line) {
     bool timed = false;
     for (const LogField& field : log_fields(row)) {
-      const std::size_t split = field.text.rfind('_');
-      const std::string_view name = field.text.substr(0, split);
+      const bool unit_named = unit_in_name(field.text) != nullptr;
+      const std::string_view name = unit_named ? field.text.substr(0, field.text.rfind('_')) : field.text;
       const auto fail = [&](const std::string& what) {
         throw InputError(name_, line, field.column,
                          fmt::format("column `{}` {}; {}", field.text.substr(0, 40), what, allowed_columns));
       };
       Column column{.time = name == "t" || name == "time", .unit = 1.0, .axis = log_.axes.size()};
-      const auto si = unit_of(field.text, column.time);
+      const auto si = unit_named ? unit_of(field.text, column.time) : column.time ? units_.time : units_.position;
       if (!si) fail("names no known unit");
       column.unit = *si;
       if (column.time && std::exchange(timed, true)) fail("is a second time");
@@ -133,6 +136,7 @@ class LogReader {
   };
   std::string name_;
   double period_;
+  ColumnUnits units_;
   MotionLog log_;
   std::vector<Column> columns_;
   std::optional<double> begin_;
@@ -213,8 +217,23 @@ std::string other_move(const FittedFilter& fit, const FittedFilter& best, double
 
 }  // namespace
 
-MotionLog read_motion_log(const std::string& path, double period) {
-  return LogReader(path, period).read(read_text_file(path, log_size_max));
+ColumnUnits column_units(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  ColumnUnits units;
+  if (comma != std::string::npos) {
+    units.time = unit_of("t_" + text.substr(0, comma), true);
+    units.position = unit_of("x_" + text.substr(comma + 1), false);
+  }
+  if (!units.time || !units.position)
+    throw std::invalid_argument(fmt::format(
+        "`{}` is no unit of times and one of positions; allowed are s, ms, us or ns, a comma, and m, mm, um, "
+        "nm or deg",
+        text));
+  return units;
+}
+
+MotionLog read_motion_log(const std::string& path, double period, const ColumnUnits& units) {
+  return LogReader(path, period, units).read(read_text_file(path, log_size_max));
 }
 
 std::string identified_to_toml(const Identification& found, const MotionLog& log, double period, bool prefilter,

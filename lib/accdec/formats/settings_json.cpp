@@ -58,6 +58,7 @@ std::vector<Key> chosen_settings_keys() {
   Key answer{.name = "answer",
              .type = KeyType::text,
              .meaning = "what to set in sentences, as `accdec design` prints it first",
+             .required = true,
              .empty_text = true};
   return {answer,
           name_key("family", KeyType::word, "one of the task's families", setting_families),

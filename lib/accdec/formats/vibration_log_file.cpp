@@ -69,11 +69,12 @@ class VibrationReader {
   VibrationLog read(std::string_view text) {
     for_each_row(text, [&](std::string_view row, long line) {
       const bool remark = row[row.find_first_not_of(" \t\r")] == '#';
+      last_line_ = line;
       if (columns_.empty() && header(row, line, remark)) return;
       if (!remark) values(row, line);
     });
-    if (columns_.empty()) throw InputError(name_, 0, 0, fmt::format("has no header; {}", allowed_columns));
-    if (times_.size() < 3) throw InputError(name_, 0, 0, "has fewer than three samples behind its header");
+    if (columns_.empty()) throw InputError(name_, last_line_, 1, fmt::format("has no header; {}", allowed_columns));
+    if (times_.size() < 3) throw InputError(name_, last_line_, 1, "has fewer than three samples behind its header");
     return evenly_spaced();
   }
 
@@ -125,6 +126,7 @@ class VibrationReader {
   VibrationLog evenly_spaced() const {
     const std::size_t count = times_.size();
     VibrationLog log;
+    log.last_line = last_line_;
     log.period = (times_.back() - times_.front()) / static_cast<double>(count - 1);
     for (std::size_t k = 1; k < count; ++k) {
       if (const double step = times_[k] - times_[k - 1]; step > gap * log.period)
@@ -164,6 +166,7 @@ class VibrationReader {
   std::vector<Column> columns_;
   std::vector<double> times_;
   std::vector<long> lines_;
+  long last_line_ = 0;  // that is not empty
   std::vector<std::vector<double>> values_;
 };
 

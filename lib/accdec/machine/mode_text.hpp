@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <accdec/machine.hpp>
+#include <accdec/machine/limit_unit.hpp>
 
 namespace accdec {
 
@@ -20,7 +21,7 @@ inline std::string range_of(const Mode& mode) {
 
 /// "jerk x", "power_total": a limit, and its axis if it has one.
 inline std::string limit_and_axis(const LimitUse& use) {
-  return fmt::format("{}{}{}", to_string(use.kind), use.axis.empty() ? "" : " ", use.axis);
+  return fmt::format("{}{}{}", limit_word(use.kind, use.axis), use.axis.empty() ? "" : " ", use.axis);
 }
 
 /// "at 42 Hz", "at 42 Hz, damping 0.05": where a vibration is worst.

@@ -5,10 +5,22 @@
 #include <accdec/nlp/nonnegative.hpp>
 
 namespace accdec::nlp {
+namespace {
 
-Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
+/// The same least squares, up to a constant, with as many rows as unknowns.
+void make_triangular(Eigen::MatrixXd& a, Eigen::VectorXd& b) {
+  if (a.rows() <= a.cols()) return;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(a);
+  b = (qr.householderQ().adjoint() * b).head(a.cols()).eval();
+  a = qr.matrixQR().topRows(a.cols()).triangularView<Eigen::Upper>();
+}
+
+}  // namespace
+
+Eigen::VectorXd nonnegative_least_squares(Eigen::MatrixXd a, Eigen::VectorXd b,
                                           const std::vector<char>& signed_column) {
   const Eigen::Index n = a.cols();
+  make_triangular(a, b);
   Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
   std::vector<char> passive(signed_column.size());
   std::transform(signed_column.begin(), signed_column.end(), passive.begin(), [](char s) { return !s; });

@@ -128,18 +128,27 @@ std::string milliseconds(double seconds) {
   return fmt::format("{:.6g} ms", 1e3 * seconds);
 }
 
+/// @param bits  of whole coefficients; 0: of real ones
+std::string exported_taps(int count, int bits) {
+  return fmt::format("the {} taps{} that `accdec export` writes", count,
+                     bits > 0 ? fmt::format(" in whole numbers over 2^{}", bits) : "");
+}
+
 /// The time that free taps would take, or at least take.
 std::string beside_taps(const DesignResult& result) {
   const double time = result.objective();
+  const auto& whole = result.quantisation;
+  // Those beside whole coefficients have the same kinds of delays.
+  const std::string taps = free_taps_in_words(result.task.settings && !whole ? &*result.task.settings : nullptr);
+  const std::optional<double> free = whole ? whole->unquantised : result.free_taps;
   const auto part = [&](double other) { return fmt::format("{:.1f} %", 100.0 * (time - other) / time); };
-  if (result.free_taps && result.lower_bound && *result.free_taps <= *result.lower_bound * (1.0 + 1e-9)) {
-    if (*result.free_taps >= time * (1.0 - 1e-9)) return " Free taps are not faster.";
-    return fmt::format(" Free taps would take {} ({} less).", milliseconds(*result.free_taps), part(*result.free_taps));
+  if (free && result.lower_bound && *free <= *result.lower_bound * (1.0 + 1e-9)) {
+    if (*free >= time * (1.0 - 1e-9)) return fmt::format(" {} are not faster.", taps);
+    return fmt::format(" {} would take {} ({} less).", taps, milliseconds(*free), part(*free));
   }
   std::string text;
-  if (result.free_taps && *result.free_taps < time * (1.0 - 1e-9))
-    text = fmt::format(" Free taps would take {} ({} less) or less.", milliseconds(*result.free_taps),
-                       part(*result.free_taps));
+  if (free && *free < time * (1.0 - 1e-9))
+    text = fmt::format(" {} would take {} ({} less) or less.", taps, milliseconds(*free), part(*free));
   if (result.lower_bound && *result.lower_bound < time * (1.0 - 1e-9))
     text += fmt::format(" No filter takes less than {} ({} less).", milliseconds(*result.lower_bound),
                         part(*result.lower_bound));
@@ -156,6 +165,10 @@ std::string rounded(double value, int digits, double (*whole)(double)) {
 }
 
 }  // namespace
+
+std::string free_taps_in_words(const ControllerSettings* control) {
+  return control == nullptr || control->any_delay() ? "Free taps" : "Free taps with delays of any number of samples";
+}
 
 std::string families_in_words(const ControllerSettings& settings) {
   std::vector<std::string> families;
@@ -198,8 +211,7 @@ std::string corner_feed_in_words(const DesignResult& result, std::size_t corner)
 }
 
 std::string settings_in_words(const ChosenSettings& settings) {
-  if (settings.family == SettingFamily::taps)
-    return fmt::format("the {} taps that `accdec export` writes", settings.filter.taps.size());
+  if (settings.family == SettingFamily::taps) return exported_taps(static_cast<int>(settings.filter.taps.size()), 0);
   if (has_real_number(settings.family)) return length_and_number(settings);
   std::vector<std::string> named, plain;
   for (const Setting& setting : settings.values) {
@@ -250,7 +262,7 @@ namespace {
 
 /// The taps and delays that a control takes.
 std::string taps_in_words(const DesignResult& result) {
-  std::string text = fmt::format("the {} taps that `accdec export` writes", result.filter->order() + 1);
+  std::string text = exported_taps(result.filter->order() + 1, result.quantisation ? result.quantisation->bits : 0);
   if (result.task.settings) return text + delays_in_words(result);
   std::vector<std::string> delays;
   for (std::size_t j = 0; j < result.corners.size(); ++j)
@@ -298,7 +310,8 @@ std::string feeds_left_out(const DesignResult& result) {
 /// The proof behind the time.
 std::string proved_in_words(const DesignResult& result) {
   const auto& control = result.task.settings;
-  if (result.status != Status::optimal) return "not proved best";
+  if (result.status != Status::optimal)
+    return result.quantisation ? "the fastest whole numbers found, not proved best" : "not proved best";
   if (result.settings && result.settings->family != SettingFamily::taps) return proved_best_in_words(*control);
   return control && !control->controller.empty() && !control->names(DelayKind::corner_feed)
              ? "proved best for this control"
@@ -310,12 +323,12 @@ std::string proved_in_words(const DesignResult& result) {
 }  // namespace
 
 std::string settings_answer(const DesignResult& result) {
-  const bool control = result.task.settings || !result.task.machine.prefilter_taps.empty();
+  const bool control = result.task.settings || !result.task.machine.prefilter_taps.empty() || result.quantisation;
   if (!result.has_design() || !control || (!result.settings && result.task.filter)) return "";
   const double time = result.objective();
-  std::string text =
-      fmt::format("Set these: {}. ", result.settings ? settings_in_words(*result.settings) + delays_in_words(result)
-                                                     : taps_in_words(result));
+  std::string text = fmt::format("Set these: {}. ", result.settings && result.settings->family != SettingFamily::taps
+                                                        ? settings_in_words(*result.settings) + delays_in_words(result)
+                                                        : taps_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
   text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
   text += feeds_left_out(result) + smoothing_left_out(result) + beside_taps(result) + kinds_not_used(result);

@@ -14,6 +14,10 @@ std::string families_in_words(const ControllerSettings& settings);
 /// delays are not known.
 std::string proved_best_in_words(const ControllerSettings& settings);
 
+/// "Free taps", the subject of a time with delays of any number of samples. It says so if the control has only some;
+/// null: no control.
+std::string free_taps_in_words(const ControllerSettings* control);
+
 /// "averages of 18 ms and 12 ms", or with names of parameters "MD32410 = 0.018 s, MD32411 = 0.012 s".
 std::string settings_in_words(const ChosenSettings& settings);
 
@@ -29,7 +33,7 @@ std::vector<DelayKind> chosen_delay_kinds(const DesignResult& result);
 
 /// The answer to a task of a controller, for its user: what to set, the time and what is proved about it. It also says
 /// what free taps would do and what the design saves against today's setting. A line or two; empty if the task says
-/// nothing of a control (families, kinds of delays, a smoothing of its own).
+/// nothing of a control (families, kinds of delays, a smoothing of its own, whole coefficients).
 std::string settings_answer(const DesignResult& result);
 
 }  // namespace accdec

@@ -89,9 +89,13 @@ struct FeedOverride {
 /// Settings of a control for one program. The kinds of the chosen settings are those of every block's end.
 struct ProgramSettings {
   ChosenSettings chosen;
-  double width = 0.0;           ///< m, the in-position width that was planned with; 0: none
-  long members = 0, tried = 0;  ///< settings that the families have; of these planned
-  bool complete = false;        ///< none of the others can be faster
+  double width = 0.0;                     ///< m, the in-position width that was planned with; 0: none
+  long members = 0, tried = 0;            ///< settings that the families have; of these planned
+  long guessed = 0;                       ///< of these guessed from corners by themselves; most of those planned, too
+  bool complete = false;                  ///< none of the others can be faster
+  bool is_today = false;                  ///< the task's own setting is the fastest
+  std::optional<double> search_limit{};   ///< s, that ended the search; none: complete, or the caller's time ended it
+  std::optional<ChosenSettings> today{};  ///< the task's own setting; none: it names none that can be set
   /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
   /// more than `several_plans_max` blocks, or after the deadline.
   std::optional<double> free_taps{};
@@ -163,7 +167,7 @@ struct ProgramResult : ProgramSubject {
   SampleCheck check;                  ///< of every sample; vibration bounds stand last among its limits
   bool feeds_chosen = false;          ///< the plan chose feeds and steps of feed
   std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
-  std::vector<SlowedFeeds> too_fast;  ///< of these, those that start or stop too fast for the filter
+  std::vector<SlowedFeeds> too_fast;  ///< of these, those too fast for the contour, or to start or stop
   int rounds = 0;                     ///< of repair
   std::size_t corners = 0;            ///< joints that turn or stop, those inside arcs left out
   std::size_t delayed = 0;            ///< of these with a delay

@@ -103,7 +103,7 @@ struct DesignResult {
   std::optional<double> gap;               ///< (objective() - lower_bound)/objective()
   std::optional<ChosenSettings> settings;  ///< of a task that asks for settings of a controller
   std::optional<double> family_bound;      ///< s, proved, of objective() within the task's families
-  std::optional<double> free_taps;         ///< s, objective of the best design known of free taps and delays
+  std::optional<double> free_taps;         ///< s, objective of the best design known of free taps with any delays
   std::vector<LimitUse> limits;
   VerificationReport verification;
   SolverReport solver;

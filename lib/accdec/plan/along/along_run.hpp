@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -14,7 +13,6 @@ namespace accdec {
 struct AlongRun {
   std::vector<double> position;  ///< rows, m, from the first sample after the start to that at the end
   std::vector<double> passes;    ///< of the joints inside, samples after the start
-  bool alone = false;            ///< its limits hold between rests only, not right behind another such run
 };
 
 /// The fastest motion along lines and the arcs themselves, with limits axis by axis, see PathSpeed. It keeps feeds,
@@ -24,12 +22,6 @@ struct AlongRun {
 /// @returns none without arcs, with a stop or a joint inside that grants nothing, or if limits leave no motion
 std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
                                   const Deadline& deadline);
-
-/// Makes a motion along blocks first .. last; one of `most` samples or more is of no use.
-using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::size_t last, std::size_t most)>;
-
-/// The same motion with its runs between stops as they are made, wherever that is faster. In with_runs_along.cpp.
-FreeSamples with_runs(const FreePath& free, const FreeSamples& motion, const MakeRun& make);
 
 /// The same motion with its runs between stops along the path wherever that is faster. In with_runs_along.cpp.
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline);

@@ -7,12 +7,16 @@
 #include <vector>
 
 #include <accdec/plan/along/along_run.hpp>
+#include <accdec/plan/along/rests_between.hpp>
 #include <accdec/plan/along/smooth_path.hpp>
 #include <accdec/plan/along/stop_runs.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 
 namespace accdec {
 namespace {
+
+/// Makes a motion along blocks first .. last; one of `most` samples or more is of no use.
+using MakeRun = std::function<std::optional<AlongRun>(std::size_t first, std::size_t last, std::size_t most)>;
 
 constexpr std::size_t never = std::size_t{1} << 60;  // samples
 
@@ -50,10 +54,15 @@ class Joining {
     if (!along) return run.end - run.begin;
     return run.along ? run.rest + run.along->position.size() / n_ : never;
   }
-  /// Samples of rest that a run needs more behind one of the other kind, or where it is made for itself alone. Each is
-  /// a motion from rest to rest by itself, but the differences of the samples around their meeting see both.
-  std::size_t between(const Run& run, bool along, bool before) const {
-    if (along == before && !(along && run.along && run.along->alone)) return 0;
+  /// Samples of rest that a run needs more behind the one before it. Runs of the motion there is have met already.
+  std::size_t between(std::size_t i, bool along, bool before) const {
+    const Run& run = runs_[i];
+    if (!along && !before) return 0;
+    if (along && before) {
+      if (i == 0 || !run.along || !runs_[i - 1].along) return 0;
+      const std::size_t needed = rests_between(free_, runs_[i - 1].along->position, run.along->position);
+      return needed - std::min(needed, run.rest);
+    }
     // A dwell of the motion may begin while it still comes to rest.
     const std::size_t needed = std::max(free_.border() - 1, along ? 0 : run.rest), there = along ? run.rest : run.still;
     return needed - std::min(needed, there);
@@ -64,7 +73,7 @@ class Joining {
     std::vector<std::array<bool, 2>> before(runs_.size());        // kind of the run before it
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       for (const bool along : {false, true}) {
-        const std::size_t same = between(runs_[i], along, along), other = between(runs_[i], along, !along);
+        const std::size_t same = between(i, along, along), other = between(i, along, !along);
         const std::size_t own = samples(runs_[i], along);
         std::size_t least = 0;
         before[i][along] = along;
@@ -94,7 +103,7 @@ class Joining {
   }
   void take(std::size_t i) {
     const Run& run = runs_[i];
-    if (i > 0) rest(between(run, run.chosen, runs_[i - 1].chosen), run.first);
+    if (i > 0) rest(between(i, run.chosen, runs_[i - 1].chosen), run.first);
     if (run.chosen) rest(run.rest, run.first);
     const auto now = static_cast<double>(result_.count(n_) - 1);
     if (run.chosen) {
@@ -150,34 +159,23 @@ std::optional<AlongRun> resting_run(const FreePath& free, std::size_t first, std
     return {};
   const std::size_t n = free.dimensions();
   AlongRun whole;
-  // Motions of two kinds do not meet as exactly as those of one, see Joining: before and behind are runs along arcs.
-  bool arcs = true;
-  const auto meet = [&](bool next, std::size_t point) {
-    for (std::size_t k = 0; next != arcs && k + 1 < free.border(); ++k)
-      whole.position.insert(whole.position.end(), free.path.point(point), free.path.point(point) + n);
-    arcs = next;
-  };
   for (const SmoothPart& part : parts) {
-    if (part.first == 0) arcs = part.arcs;
-    meet(part.arcs, part.first);
-    const std::size_t taken = whole.position.size() / n;
-    if (taken >= most || deadline.over()) return {};
-    if (part.first > first) whole.passes.push_back(static_cast<double>(taken));
-    const auto run = part.arcs ? along_run(free, part.first, part.last, most - taken, deadline)
+    const std::size_t done = whole.position.size() / n;
+    if (done >= most || deadline.over()) return {};
+    const auto run = part.arcs ? along_run(free, part.first, part.last, most - done, deadline)
                                : straight_run(free, part.first, part.last);
     if (!run) return {};
+    for (std::size_t k = done > 0 ? rests_between(free, whole.position, run->position) : 0; k > 0; --k)
+      whole.position.insert(whole.position.end(), free.path.point(part.first), free.path.point(part.first) + n);
+    const std::size_t taken = whole.position.size() / n;
+    if (part.first > first) whole.passes.push_back(static_cast<double>(taken));
     whole.position.insert(whole.position.end(), run->position.begin(), run->position.end());
     for (const double pass : run->passes) whole.passes.push_back(static_cast<double>(taken) + pass);
   }
-  if (last + 1 < free.path.blocks()) meet(true, last + 1);
   return whole;
 }
 
 }  // namespace
-
-FreeSamples with_runs(const FreePath& free, const FreeSamples& motion, const MakeRun& make) {
-  return Joining(free, motion, make).run();
-}
 
 FreeSamples with_runs_along(const FreePath& free, const FreeSamples& motion, const Deadline& deadline) {
   const auto make = [&](std::size_t first, std::size_t last, std::size_t most) {

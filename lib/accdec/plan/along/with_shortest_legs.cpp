@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include <accdec/plan/along/leg_program.hpp>
+#include <accdec/plan/along/rests_between.hpp>
 #include <accdec/plan/along/stop_runs.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 
@@ -80,7 +80,8 @@ class Legs {
     std::optional<std::vector<double>> averaged = averaged_leg(free_, *leg);
     // As short as there is, it is at rest at its ends without the rounding of a filter.
     const std::size_t most = done ? done->size() - 1 : way.size();
-    if (averaged && averaged->size() <= most && fits(first_of(run, *averaged), 0)) done = std::move(averaged);
+    if (averaged && averaged->size() <= most && may_follow(free_, result_.position, first_of(run, *averaged), 0))
+      done = std::move(averaged);
     if (!done) {
       result_.position.resize(before * n_);
       return false;
@@ -101,7 +102,7 @@ class Legs {
     std::optional<std::vector<double>> best;
     const auto try_count = [&](std::size_t count) {
       std::optional<std::vector<double>> done = leg_in(free_, leg, begin, way, count);
-      if (done && fits(first_of(run, *done), 0)) best = std::move(done);
+      if (done && may_follow(free_, result_.position, first_of(run, *done), 0)) best = std::move(done);
       return best && best->size() == count + 1;
     };
     // Most legs take two samples less; then three are too many.
@@ -140,34 +141,9 @@ class Legs {
     done.resize(free_.border() + 1, 1.0);
     return on_line(free_, run.first, run.last, done).position;
   }
-  /// Whether these samples may follow the result after so much rest.
-  bool fits(const std::vector<double>& next, std::size_t rests) const {
-    const std::size_t border = free_.border(), count = result_.count(n_);
-    constexpr double rounded = 1.0 + 1e-9;
-    constexpr double of_position = 4.0 * std::numeric_limits<double>::epsilon();  // in a third difference
-    const double rate = 1.0 / free_.period;
-    for (std::size_t a = 0; a < n_; ++a) {
-      const Axis& limits = free_.machine.axes[a];
-      std::vector<double> x;
-      for (std::size_t i = border; i-- > 0;) x.push_back(axis(result_, count - 1 - std::min(i, count - 1), a));
-      x.insert(x.end(), rests, x.back());
-      for (std::size_t i = 0; i < border; ++i) x.push_back(next[i * n_ + a]);
-      for (std::size_t k = border; k < x.size(); ++k) {
-        const double v = (x[k] - x[k - 1]) * rate, b = (v - (x[k - 1] - x[k - 2]) * rate) * rate;
-        if (!(std::abs(b) <= rounded * limits.acceleration_max)) return false;
-        if (!(std::abs(limits.mass * b + limits.damping * v) <= rounded * limits.force_max)) return false;
-        const double third =
-            border < 3 ? 0.0 : (x[k] - 3.0 * x[k - 1] + 3.0 * x[k - 2] - x[k - 3]) * rate * rate * rate;
-        const double dust = of_position * std::abs(x[k]) * rate * rate * rate;
-        if (!(std::abs(third) <= rounded * limits.jerk_max + dust)) return false;
-      }
-    }
-    return true;
-  }
   /// The run as it is. If it has to wait for the legs before it as long as they save, they stay as they are, too.
   void keep(const StopRun& run) {
-    std::size_t rests = 0;
-    while (changed_ && rests + 1 < free_.border() && !fits(first_of(run), rests)) ++rests;
+    std::size_t rests = changed_ ? rests_between(free_, result_.position, first_of(run)) : 0;
     if (rests > 0) {
       const std::size_t now = result_.count(n_) - chain_.samples;
       if (now + rests >= run.begin - chain_.run.begin) {

@@ -18,8 +18,8 @@ struct ProgramPlan {
   std::vector<double> errors;         ///< m, least on the simulated path, one per block
   Simulation simulation;              ///< of the whole program with these delays, every sample
   std::size_t slowed = 0;             ///< blocks whose feed had to be lowered
-  std::vector<SlowedFeeds> too_fast;  ///< of these, blocks that start or stop too fast for the filter; one entry per
-                                      ///< limit
+  std::vector<SlowedFeeds> too_fast;  ///< of these, blocks too fast for the contour, or to start or stop; one entry
+                                      ///< per limit
   std::vector<int> alone;             ///< delays of joints alone, see pairwise_delays; empty: not known
   int rounds = 0;                     ///< of repair
   bool errors_hold = false;           ///< every joint within its tolerance

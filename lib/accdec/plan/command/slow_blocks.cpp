@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/response.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/task/blend_limits.hpp>
 
 namespace accdec {
@@ -21,8 +23,21 @@ class FeedLimiter {
         machine_(machine),
         limits_(filter, machine, sample_period),
         programmed_(path.duration),
+        within_contour_(parts_within_contour(path, FilterBehind(filter, machine, sample_period), sample_period)),
         binding_(path.blocks()),
         reach_((filter.order() + 2) * sample_period) {}
+
+  /// Slows blocks that leave the contour at constant feed. True if anything was.
+  bool slow_to_contour() {
+    bool slowed = false;
+    for (std::size_t b = 0; b < path_.blocks(); ++b) {
+      if (!(within_contour_[b] < 1.0)) continue;
+      path_.duration[b] /= within_contour_[b];
+      binding_[b] = {LimitKind::contour, machine_.axes.size()};
+      slowed = true;
+    }
+    return slowed;
+  }
 
   /// Slows blocks within `reach` of the rest before block b (start) or after it (stop), inside its leg. True if
   /// anything was.
@@ -133,6 +148,7 @@ class FeedLimiter {
   const Machine& machine_;
   BlendLimits limits_;
   const std::vector<double> programmed_;
+  const std::vector<double> within_contour_;   // of every block
   std::vector<BlendLimits::Binding> binding_;  // of every block
   double reach_;                               // s
 };
@@ -143,6 +159,7 @@ std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, doubl
                                      PairwiseDelays& delays, bool ramps, const Deadline& deadline) {
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filter, sample_period, machine);
+  if (limiter.slow_to_contour()) delays = pairwise_delays(path, filter, sample_period, machine);
   // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a
   // few rounds. If ramps do not settle it, whole legs are slowed in the end.
   for (int round = 0; round < 12 && !deadline.over(); ++round) {

@@ -12,9 +12,10 @@
 
 namespace accdec {
 
-/// Lowers feeds to what the filter can start from rest and stop within the limits. This concerns both ends of the
-/// program, and joints that hold no axis limit with any delay: every block within a filter's length of the stop. Feeds
-/// inside legs and at joints passed at speed do not change.
+/// Lowers feeds to those within the contour, see parts_within_contour, and then to what the filter can start from rest
+/// and stop within the limits. This concerns both ends of the program, and joints that hold no axis limit with any
+/// delay: every block within a filter's length of the stop. Feeds inside legs and at joints passed at speed do not
+/// change.
 /// @param delays  of the path; found again when feeds change
 /// @param ramps  where feeds change inside a leg, lower them to what passes that joint instead; correct for each joint
 /// alone

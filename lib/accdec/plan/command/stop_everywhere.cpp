@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/plan/command/stop_everywhere.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/task/blend_limits.hpp>
@@ -27,6 +28,7 @@ void part_by_phase(const Toolpath& path, const BlendLimits& limits, std::vector<
 /// The plan's feeds and delays, not simulated.
 ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   ScheduledPlan result{path, {}};
+  hold_contour(result.path, FilterBehind(filter, machine, sample_period), sample_period);
   const BlendLimits limits(filter, machine, sample_period);
   const std::size_t n = path.dimensions();
   const int apart = filter.order() + 2;

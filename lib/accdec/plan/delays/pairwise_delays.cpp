@@ -15,12 +15,16 @@ bool inside_line(const Toolpath& path, std::size_t b) {
 }  // namespace
 
 PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                               DelayRule rule) {
+                               DelayRule rule, const Deadline* until) {
   JointDelays joints(path, filter, sample_period, machine);
   const std::size_t blocks = path.blocks();
   PairwiseDelays result;
   const auto judge = [&](std::size_t b) {
     if (!joints.take_possible()) result.impossible.push_back(b);
+  };
+  const auto ended = [&] {
+    result.limits_possible = until == nullptr || (result.impossible.empty() && !until->over());
+    return !result.limits_possible;
   };
   std::vector<int>& delays = result.delays;
   delays.assign(blocks, 0);
@@ -33,6 +37,7 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, doubl
       delays[b] = joints.smooth(b);
     }
     judge(b);
+    if (ended()) return result;
   }
   if (rule == DelayRule::smallest) {
     const CommandTiming timing(path, sample_period, delays);
@@ -53,6 +58,7 @@ PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, doubl
       if (path.joint[b] != Joint::corner) continue;
       delays[b] = joints.corner(b, factor_in, factor_out);
       judge(b);
+      if (ended()) return result;
     }
   }
   std::sort(result.impossible.begin(), result.impossible.end());

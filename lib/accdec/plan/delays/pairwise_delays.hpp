@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/simulate.hpp>
@@ -26,8 +27,11 @@ struct PairwiseDelays {
 /// stop it is the filter's exact stop. Each is then lengthened until the axis limits hold while the legs overlap. O(1)
 /// to O(log N) per joint, O(N^2) where limits bind.
 /// @param machine  as many axes as the path, or without axes
+/// @param until  if given, the search ends at the first joint that no delay suits, or once this is over: no delays are
+///               found then, and `limits_possible` is false
 PairwiseDelays pairwise_delays(const Toolpath& path, const Filter& filter, double sample_period,
-                               const Machine& machine = {}, DelayRule rule = DelayRule::smallest);
+                               const Machine& machine = {}, DelayRule rule = DelayRule::smallest,
+                               const Deadline* until = nullptr);
 
 /// Number of joints with a longer delay than they need alone, because moves overlap or the program gives it.
 /// @param delays  samples, one a block

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <accdec/motion/leg_distance.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/feed_caps.hpp>
 #include <accdec/task/corner_feed.hpp>
@@ -22,6 +23,18 @@ double norm2(const double* v, std::size_t n) {
   return sum;
 }
 
+/// The block so far ahead of the end of block b, m, inside its leg; behind it if negative.
+std::size_t walk(const Toolpath& path, const FeedPath& feeds, std::size_t b, double distance) {
+  if (distance >= 0.0) {
+    for (++b; b + 1 < feeds.blocks() && distance > feeds.length[b] && !ends_leg(path, b); ++b)
+      distance -= feeds.length[b];
+    return b;
+  }
+  for (distance = -distance; b > 0 && distance > feeds.length[b] && !ends_leg(path, b - 1); --b)
+    distance -= feeds.length[b];
+  return b;
+}
+
 }  // namespace
 
 FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
@@ -35,6 +48,7 @@ FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehi
       feed_step_(feed_step),
       finder_(motion_),
       arcs_(path, feeds, behind, window, sample_period),
+      within_contour_(parts_within_contour(path, behind, sample_period)),
       acceleration_(path.blocks(), unlimited),
       known_(path.blocks()) {
   const std::size_t n = feeds.dimensions;
@@ -208,17 +222,6 @@ CornerFeed FeedCaps::fastest_corner(std::size_t b, double tolerance) const {
   return best;
 }
 
-std::size_t FeedCaps::walk(std::size_t b, double distance) const {
-  if (distance >= 0.0) {
-    for (++b; b + 1 < feeds_.blocks() && distance > feeds_.length[b] && !ends_leg(path_, b); ++b)
-      distance -= feeds_.length[b];
-    return b;
-  }
-  for (distance = -distance; b > 0 && distance > feeds_.length[b] && !ends_leg(path_, b - 1); --b)
-    distance -= feeds_.length[b];
-  return b;
-}
-
 double FeedCaps::steady_change(std::size_t b, double v) const {
   const std::size_t n = feeds_.dimensions;
   const double way = v * window_.tau1();
@@ -231,8 +234,8 @@ double FeedCaps::steady_change(std::size_t b, double v) const {
       if (change > 0.0) use = std::max(use, change / (margin * window_.change(a, v * w[a], v * u[a], false)));
     }
   };
-  pair(walk(b, -way), b + 1);
-  pair(b, walk(b, way));
+  pair(walk(path_, feeds_, b, -way), b + 1);
+  pair(b, walk(path_, feeds_, b, way));
   return use;
 }
 

@@ -36,8 +36,8 @@ class FeedCaps {
   /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance. The
   /// window that ends or begins there stays within the limits. Well inside an arc it is the arc's speed, see ArcCaps.
   double smooth(std::size_t b, double tolerance) const;
-  /// Speed of block b: that of the program.
-  double feed(std::size_t b) const { return feeds_.length[b] / path_.duration[b]; }
+  /// Speed of block b: that of the program, or the largest within the contour.
+  double feed(std::size_t b) const { return within_contour_[b] * feeds_.length[b] / path_.duration[b]; }
 
   /// Pieces of the whole path with these speeds.
   /// @param joints  one a block
@@ -59,7 +59,6 @@ class FeedCaps {
   double held_for(const CornerFeed& corner) const;
   double steady_error(std::size_t b, double v) const;
   double steady_change(std::size_t b, double v) const;
-  std::size_t walk(std::size_t b, double distance) const;
   struct Zone;
   void hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap, std::vector<Zone>& part) const;
   void add_pieces(std::size_t b, double cap, Zone first, Zone last, std::vector<FeedPiece>& pieces) const;
@@ -72,7 +71,8 @@ class FeedCaps {
   double period_, feed_step_;
   DelayFinder finder_;
   ArcCaps arcs_;
-  std::vector<double> acceleration_;  // along every block, m/s^2
+  std::vector<double> within_contour_;  // of every block, see parts_within_contour
+  std::vector<double> acceleration_;    // along every block, m/s^2
   KnownCorners<CornerFeed> known_;
 };
 

@@ -13,6 +13,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/stretched.hpp>
 #include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
@@ -26,9 +27,10 @@ namespace {
 /// Programs of at most so many blocks are cheap enough to judge a filter by the plan that will be made.
 constexpr std::size_t short_program = 2'000;
 
-/// Unlimited when the filter cannot hold the limits.
+/// Unlimited when the filter cannot hold the limits, or once the time is over.
 /// @param set  without the control's own smoothing
-double program_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine) {
+double program_time(const Toolpath& path, const Filter& set, const Task& task, const Machine& machine,
+                    const Deadline& until = {}) {
   const Filter filter = Response(task.machine, task.sample_period).command(set);
   for (const LimitUse& use : vibration_utilisation(filter, task.sample_period, machine)) {
     if (use.utilisation > 1.0) return unlimited;
@@ -36,7 +38,8 @@ double program_time(const Toolpath& path, const Filter& set, const Task& task, c
   Toolpath copy = path;
   limit_rapids(copy, filter, task.sample_period, machine);
   snap_durations(copy, filter, task.sample_period, machine);
-  const PairwiseDelays delays = pairwise_delays(copy, filter, task.sample_period, machine);
+  hold_contour(copy, FilterBehind(filter, machine, task.sample_period), task.sample_period);
+  const PairwiseDelays delays = pairwise_delays(copy, filter, task.sample_period, machine, DelayRule::smallest, &until);
   if (!delays.limits_possible) return unlimited;
   const CommandTiming timing(copy, task.sample_period, delays.delays);
   return static_cast<double>(timing.command_samples() + filter.order() + 1) * task.sample_period;
@@ -70,19 +73,20 @@ double stopping_time(const Toolpath& path, const Filter& set, const Task& task, 
 /// faster with longer filters. A coarse grid of orders and second averages, then steps around the best.
 /// @param evaluations  at most so many programs are timed
 /// @param time_limit   s
+/// @param end  of the search also if no two averages hold the limits so far
 DesignResult two_averages_for(const Toolpath& path, const Task& task, const Machine& machine, long evaluations,
-                              double time_limit) {
+                              double time_limit, const Deadline& end) {
   const Deadline watch(time_limit);
   bool found = false;
   const auto time = [&](const Filter& filter) {
     --evaluations;
-    const double seconds = program_time(path, filter, task, machine);
+    const double seconds = program_time(path, filter, task, machine, end);
     found = found || seconds < unlimited;
     return seconds;
   };
   const int low = task.design.order_min, high = task.design.order_max;
   TrialSearch search(*find_family("trapezoid"), {low, high}, time,
-                     [&] { return evaluations <= 0 || (found && watch.over()); });
+                     [&] { return evaluations <= 0 || end.over() || (found && watch.over()); });
   for (double order = std::max(1, low); order <= high; order = std::max(order + 1.0, order * 1.3)) {
     for (const double part : {0.0, 0.25, 0.5}) {
       const int ramp = static_cast<int>(part * order);
@@ -242,7 +246,7 @@ ProgramFilter design_program_filter(const Toolpath& path, const Task& task, doub
   Candidates candidates(path, task, machine, progress, deadline);
   // About as much work as reading a program of 50 million blocks.
   const long evaluations = std::clamp(50'000'000L / static_cast<long>(path.blocks()), 40L, 2000L);
-  candidates.offer(two_averages_for(path, task, machine, evaluations, 0.2 * time_limit),
+  candidates.offer(two_averages_for(path, task, machine, evaluations, 0.2 * time_limit, Deadline(0.6 * time_limit)),
                    "two averages for the program");
   const Deadline of_families(0.3 * time_limit);
   // Those of few members first: whatever the time is left for is among the others.

@@ -48,21 +48,27 @@ class MemberGuesses {
   /// @param first  the best plan's so far; null: none
   void spread(const SettableMembers& members, const SettableMember* first, const Deadline& until) {
     std::vector<SettableMember> spread = members.spread();
-    const int middle = best_order_;
-    const auto distance = [&](const SettableMember& m) {
-      return std::abs(std::log((m.order() + 1.0) / (middle + 1.0)));
-    };
-    std::ranges::stable_sort(spread, {}, distance);
-    std::vector<std::pair<double, SettableMember>> best;
-    if (first != nullptr) best.emplace_back(of(*first).samples, *first);
-    std::array<int, 2> losses{};  // of the shorter and the longer ones
-    for (const SettableMember& member : spread) {
-      if (until.over() && !best.empty()) break;
-      int& lost = losses[member.order() < middle ? 0 : 1];
-      if (lost >= most_losses) continue;
-      best.emplace_back(of(member).samples, member);
-      lost = best.back().first > clearly_slower * best_.samples ? lost + 1 : 0;
+    if (first != nullptr) of(*first);
+    // Few orders, far apart, show where the others begin: smooth members, which suit most limits.
+    for (const auto& [apart, most_losses] : {std::pair(1.6, 1), {1.0, 8}}) {
+      const int middle = best_order_;
+      const auto place = [&, smooth = apart > 1.0](const SettableMember& m) {
+        return std::pair(std::abs(std::log((m.order() + 1.0) / (middle + 1.0))),
+                         smooth ? std::ranges::max(m.lengths) : 0);
+      };
+      std::ranges::stable_sort(spread, {}, place);
+      std::array<int, 2> losses{};  // of the shorter and the longer ones
+      std::array<double, 2> next{middle / apart, middle * apart};
+      for (const SettableMember& member : spread) {
+        if (until.over() && !all_.empty()) break;
+        const bool longer = member.order() >= middle;
+        if (losses[longer] >= most_losses || (longer ? member.order() < next[1] : member.order() > next[0])) continue;
+        next[longer] = longer ? member.order() * apart : member.order() / apart;
+        losses[longer] = of(member).samples > clearly_slower * best_.samples ? losses[longer] + 1 : 0;
+      }
     }
+    std::vector<std::pair<double, SettableMember>> best;
+    for (const auto& [key, guessed] : all_) best.emplace_back(guessed.second.samples, guessed.first);
     const auto shorter = [](const auto& a, const auto& b) { return a.first < b.first; };
     std::stable_sort(best.begin(), best.end(), shorter);
     best.resize(std::min(best.size(), starts));
@@ -83,10 +89,13 @@ class MemberGuesses {
   using Guessed = std::map<std::vector<int>, std::pair<SettableMember, TimedSetting>>;
   /// By their keys.
   const Guessed& all() const { return all_; }
+  /// Adds the keys of all members whose time was guessed, be it with any delays.
+  void add_to(std::set<std::vector<int>>& keys) const {
+    for (const auto& [key, samples] : any_) keys.insert(key);
+  }
 
  private:
   static constexpr std::size_t starts = 3;
-  static constexpr int most_losses = 8;  ///< one after another, as many as two orders have
   static constexpr double clearly_slower = 1.1;
 
   const SettingsTrials& trials_;
@@ -115,8 +124,11 @@ class MemberSearch {
     ProgramSettings result{.chosen = members_.chosen(*best_), .width = time_.width};
     result.members = static_cast<long>(all.size());
     before_.insert(planned_.begin(), planned_.end());
+    guesses_.add_to(guessed_before_);
     result.tried = static_cast<long>(before_.size());
+    result.guessed = static_cast<long>(guessed_before_.size());
     result.complete = passed && members_.listed();
+    if (today_) result.today = members_.chosen(*today_);
     return result;
   }
 
@@ -124,6 +136,8 @@ class MemberSearch {
   /// @param today  null if there is none
   void search(const FilterSpec* today) {
     if (today != nullptr) {
+      today_ = members_.same(*today);
+      if (today_) offer(*today_);
       for (const SettableMember& member : members_.like(*today)) offer(member);
     }
     // One that holds at all feeds shows early which others are not faster.
@@ -142,7 +156,10 @@ class MemberSearch {
   }
 
   /// Begins with the best of a search among fewer kinds of delays.
-  void begin_with(const MemberSearch& fewer) { best_ = fewer.best_, time_ = fewer.time_, before_ = fewer.planned_; }
+  void begin_with(const MemberSearch& fewer) {
+    best_ = fewer.best_, time_ = fewer.time_, before_ = fewer.planned_;
+    fewer.guesses_.add_to(guessed_before_);
+  }
 
  private:
   static constexpr std::size_t first_planned = 4;
@@ -217,9 +234,9 @@ class MemberSearch {
   const std::function<void(const std::string&)>& tell_;
   SettableMembers members_;
   MemberGuesses guesses_;
-  std::set<std::vector<int>> planned_, before_;  // before: with fewer kinds of delays
-  int late_ = 0;                                 // planned after the time was over
-  std::optional<SettableMember> best_;
+  std::set<std::vector<int>> planned_, before_, guessed_before_;  // before: with fewer kinds of delays
+  int late_ = 0;                                                  // planned after the time was over
+  std::optional<SettableMember> best_, today_;
   TimedSetting time_;
 };
 
@@ -248,6 +265,11 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
 const FilterSpec* todays_filter(const Task& task) {
   if (task.filter && task.settings && task.settings->names_family()) return &*task.filter;
   return task.baseline ? &*task.baseline : nullptr;
+}
+
+bool is_todays(const Task& task, const Filter& filter) {
+  const FilterSpec* const today = todays_filter(task);
+  return today != nullptr && same_taps(filter, make_filter(*today));
 }
 
 double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
@@ -302,20 +324,36 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
 
 namespace {
 
-std::string beside_free_taps(double free, double time) {
-  const double less = time - free;
-  if (!(less > 1e-9 * time)) return " With free taps, no faster plan was found.";
-  return fmt::format(" Free taps would take {:.6g} s ({:.1f} % less) or less.", free, 100.0 * less / time);
+/// The settings looked at, and the limit that ended the search.
+std::string what_was_tried(const ProgramSettings& settings) {
+  if (settings.complete) return fmt::format("no other of {} settings is planned faster.", settings.members);
+  // Half of --time-limit goes to the search.
+  const std::string ended = settings.search_limit
+                                ? fmt::format(
+                                      "The search ended by its own limit of {:.3g} s; --time-limit {:.0f} "
+                                      "searches twice as long.",
+                                      *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
+                                : "The time limit ended the search; a longer one plans more.";
+  return fmt::format("the fastest of those tried: {} of {}{} settings planned, {} guessed. {}", settings.tried,
+                     settings.members, settings.members >= SettableMembers::most ? " or more" : "", settings.guessed,
+                     ended);
+}
+
+std::string beside_free_taps(const ProgramSettings& settings, double time) {
+  const double free = *settings.free_taps, less = time - free;
+  const std::string taps = free_taps_in_words(settings.control.get());
+  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
+  return fmt::format(" {} would take {:.6g} s ({:.1f} % less) or less.", taps, free, 100.0 * less / time);
 }
 
 std::string beside_today(const ProgramResult& result) {
-  if (!result.today) return "";
+  if (!result.today || (result.settings && result.settings->is_today)) return "";
   const double today = *result.today, saved = today - result.cycle_time;
   if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
   std::string text = fmt::format(" Today's setting takes {:.6g} s; ", today);
   if (saved > 1e-9 * today)
     return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
-  return text + "retuning saves nothing.";
+  return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
 }
 
 }  // namespace
@@ -323,7 +361,8 @@ std::string beside_today(const ProgramResult& result) {
 std::string program_settings_answer(const ProgramResult& result) {
   const ProgramSettings& settings = *result.settings;
   const double time = result.cycle_time;
-  std::string text = fmt::format("Set these: {}", settings_in_words(settings.chosen));
+  std::string text = fmt::format("{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
+                                 settings_in_words(settings.chosen));
   if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
   for (const DelayKindName& kind : delay_kinds) {
     const auto count = std::count(settings.chosen.delays.begin(), settings.chosen.delays.end(), kind.kind);
@@ -334,11 +373,8 @@ std::string program_settings_answer(const ProgramResult& result) {
   if (settings.chosen.family == SettingFamily::taps)
     text += "not proved best.";
   else
-    text += settings.complete
-                ? fmt::format("no other of {} settings is planned faster.", settings.members)
-                : fmt::format("the fastest of those tried: {} of {}{} settings planned; time limit.", settings.tried,
-                              settings.members, settings.members >= SettableMembers::most ? " or more" : "");
-  if (settings.free_taps) text += beside_free_taps(*settings.free_taps, time);
+    text += what_was_tried(settings);
+  if (settings.free_taps) text += beside_free_taps(settings, time);
   return text + beside_today(result) + "\n";
 }
 

@@ -17,13 +17,14 @@ namespace accdec {
 /// holds all limits.
 ///
 /// Guesses the time of the program with members of the families that the task's settings name, and plans the best
-/// guesses. A guess has every corner by itself, with the in-position width that suits them together. The first plan
-/// is that of a setting that starts and stops at the highest feed within the limits. Then come members all over the
-/// families, shorter and longer than the best guess until they only lose. Steps around the best of them are halved. The
-/// best guesses are planned, then steps around the best plan whose guess is better, then all the others, the nearest
-/// first. A control with widths and other kinds of delays begins with the best setting without a width. A member is
-/// passed over for one of two reasons. Way over feed, the filter's length and its stops alone take as long as the best
-/// plan. Or its guess with delays of any number of samples does. The time left decides how many are planned.
+/// guesses. A guess has every corner by itself, with the in-position width that suits them together. The first plan is
+/// that of today's setting, then of one that starts and stops at the highest feed within the limits. Then come members
+/// all over the families, first of few orders and then of all, shorter and longer than the best guess until they only
+/// lose. Steps around the best of them are halved. The best guesses are planned, then steps around the best plan whose
+/// guess is better, then all the others, the nearest first. A control with widths and other kinds of delays begins with
+/// the best setting without a width. A member is passed over for one of two reasons. Way over feed, the filter's length
+/// and its stops alone take as long as the best plan. Or its guess with delays of any number of samples does. The time
+/// left decides how many are planned.
 /// @param task      with settings that name a family; its filter or baseline is today's
 /// @param keep      at the programmed feeds; else feeds are chosen
 /// @param deadline  ends the search
@@ -43,6 +44,9 @@ std::string corner_without_stop(const Toolpath& path, const Task& task);
 /// The filter that a task's control has today; null if the task names none. A given filter of free taps is the
 /// result's.
 const FilterSpec* todays_filter(const Task& task);
+
+/// Whether a filter is that one.
+bool is_todays(const Task& task, const Filter& filter);
 
 /// The in-position width, m, with which the program takes the least time with a given filter; 0 if the control has
 /// none.

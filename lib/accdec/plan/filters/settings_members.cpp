@@ -22,6 +22,10 @@ Number nearest(const std::vector<Number>& options, double length) {
 
 }  // namespace
 
+bool same_taps(const Filter& a, const Filter& b) {
+  return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) <= 1e-12; });
+}
+
 std::vector<int> SettableMember::key() const {
   std::vector<int> key = lengths;
   const double whole = std::floor(spec.pair_delay);
@@ -146,6 +150,17 @@ std::vector<SettableMember> SettableMembers::like(const FilterSpec& filter) cons
     if (of_averages && !lengths.empty()) add(family, lengths, filter.pair_delay, members);
   }
   return members;
+}
+
+std::optional<SettableMember> SettableMembers::same(const FilterSpec& filter) const {
+  const Filter own = make_filter(filter);
+  const auto is = [&](const SettableMember& member) {
+    return member.order() == own.order() && same_taps(make_filter(member.spec), own);
+  };
+  for (const std::vector<SettableMember>& members : {like(filter), all_}) {
+    if (const auto at = std::ranges::find_if(members, is); at != members.end()) return *at;
+  }
+  return std::nullopt;
 }
 
 std::vector<SettableMember> SettableMembers::at_feed(double velocity, double acceleration, double jerk) const {

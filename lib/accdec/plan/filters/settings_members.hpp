@@ -1,10 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include <accdec/filter.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {
+
+/// Whether two filters are one up to rounding.
+bool same_taps(const Filter& a, const Filter& b);
 
 /// One setting of a family.
 struct SettableMember {
@@ -29,6 +34,8 @@ class SettableMembers {
   std::vector<SettableMember> spread() const;
   /// The nearest members to a filter; none if it is no cascade of averages.
   std::vector<SettableMember> like(const FilterSpec& filter) const;
+  /// The member with the taps of a filter; none if no setting gives them.
+  std::optional<SettableMember> same(const FilterSpec& filter) const;
   /// The members with which a start or stop at a feed keeps to its limits: v/a and a/j. @param jerk  unlimited: none
   std::vector<SettableMember> at_feed(double velocity, double acceleration, double jerk) const;
   /// Members with one or two times changed by about `step` samples.

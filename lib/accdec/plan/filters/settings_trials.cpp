@@ -8,6 +8,7 @@
 #include <accdec/plan/command/slow_blocks.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
@@ -35,6 +36,7 @@ class PairwiseTimes {
       : filter_(filter) {
     limit_rapids(path, filter, period, machine);
     snap_durations(path, filter, period, machine);
+    hold_contour(path, FilterBehind(filter, machine, period), period);
     PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
     if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
     const CommandTiming timing(path, period, delays.delays);
@@ -189,9 +191,7 @@ TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorou
   if (!behind) return {};
   const Filter& filter = *behind;
   const ControlDelays control = planned_control(*task_.settings, guessed);
-  // Without a plan that holds there is no answer: one takes its time even if there is none left.
-  constexpr double for_one = 0.5;  // s
-  const Deadline until = thorough && deadline_.over() && !deadline_.asked_to_end() ? Deadline(for_one) : deadline_;
+  const Deadline until = thorough ? with_one_plan(deadline_) : deadline_;
   TimedSetting best{planned(filter, control, until), guessed};
   if (control.any() || !has_widths()) return best;
   const auto time = [&](const ControlDelays& with) { return planned(filter, with, deadline_); };

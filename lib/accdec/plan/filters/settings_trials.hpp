@@ -13,6 +13,15 @@
 
 namespace accdec {
 
+/// s, that the plan of a setting has whatever the time limit. Without a plan that holds there is no answer. A plan that
+/// is cut short says little of the setting.
+inline constexpr double setting_seconds = 0.5;
+
+/// The deadline, or one that leaves the time for such a plan, unless the end is asked for.
+inline Deadline with_one_plan(const Deadline& deadline) {
+  return deadline.asked_to_end() || deadline.left() >= setting_seconds ? deadline : Deadline(setting_seconds);
+}
+
 /// A plan's time in samples, and its in-position width.
 struct TimedSetting {
   double samples = unlimited;

@@ -9,17 +9,17 @@
 
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/free/shorten.hpp>
+#include <accdec/plan/free/splines.hpp>
 #include <accdec/simulate/command_stream.hpp>
 
 namespace accdec {
 namespace {
 
-constexpr std::size_t part_samples = 1500;
-
-/// The sections between stops, cut into parts of about `part_samples`. Samples at every stop stay.
+/// The sections between stops, cut into parts of about `size` samples. Samples at every stop stay.
 class Parts {
  public:
-  Parts(const FreePath& free, const FreeSamples& motion, bool shifted) : free_(free), motion_(motion) {
+  Parts(const FreePath& free, const FreeSamples& motion, std::size_t size, bool shifted)
+      : free_(free), motion_(motion), size_(size) {
     // Dwells before the first move and after the last one are no part of it.
     const std::size_t n = free.dimensions(), last = motion.count(n) - 1 - free.rests_at(free.path.blocks() - 1);
     std::size_t begin = 1 + static_cast<std::size_t>(whole_samples(free.path.dwell_first / free.period));
@@ -55,7 +55,7 @@ class Parts {
   void add(std::size_t begin, std::size_t end, std::size_t joint, std::size_t end_joint, bool shifted) {
     if (end < begin + 20) return;
     const std::size_t length = end - begin;
-    std::size_t pieces = std::max<std::size_t>(1, (length + part_samples / 2) / part_samples);
+    std::size_t pieces = std::max<std::size_t>(1, (length + size_ / 2) / size_);
     if (shifted && pieces > 1) ++pieces;
     std::size_t from = begin;
     for (std::size_t i = 0; i < pieces; ++i) {
@@ -69,13 +69,16 @@ class Parts {
       part.end_joint = part.first_joint;
       while (part.end_joint < end_joint && motion_.passes[part.end_joint] < static_cast<double>(to)) ++part.end_joint;
       joint = part.first_joint;
-      if (to > from + 20) parts.push_back(part);
+      for (std::size_t j = part.first_joint; j < part.end_joint; ++j)
+        part.passes.push_back(motion_.passes[j] - static_cast<double>(from));
+      if (to > from + 20) parts.push_back(std::move(part));
       from = to + free_.border();
     }
   }
 
   const FreePath& free_;
   const FreeSamples& motion_;
+  const std::size_t size_;
 };
 
 /// The motion with its shortened parts.
@@ -113,9 +116,11 @@ FreeSamples joined(const FreePath& free, const FreeSamples& motion, const std::v
 /// Shortens all parts on some threads; progress is told from any of them.
 class Sweep {
  public:
-  Sweep(const FreePath& free, const FreeSamples& motion, std::vector<FreePart> parts, const FreeOptions& options,
-        const Deadline& deadline, FreeProgress begun)
+  /// @param splines  the parts become such splines; none: they are shortened sample by sample
+  Sweep(const FreePath& free, const SplineTube* splines, const FreeSamples& motion, std::vector<FreePart> parts,
+        const FreeOptions& options, const Deadline& deadline, FreeProgress begun)
       : free_(free),
+        splines_(splines),
         motion_(motion),
         parts_(std::move(parts)),
         options_(options),
@@ -141,21 +146,27 @@ class Sweep {
   void work() {
     for (std::size_t i = next_++; i < parts_.size(); i = next_++) {
       if (over()) return;
-      shortened_[i] = shorten(free_, motion_, parts_[i], window_of(parts_[i]), [this] { return over(); });
+      shortened_[i] = shortened(parts_[i]);
       const std::lock_guard lock(mutex_);
       progress_.gained += static_cast<double>(shortened_[i].saved) * free_.period;
       progress_.share = static_cast<double>(++done_) / static_cast<double>(parts_.size());
       if (options_.progress) options_.progress(progress_);
     }
   }
+  ShortenedPart shortened(const FreePart& part) const {
+    const auto stop = [this] { return over(); };
+    if (splines_) return splines_->shorten(motion_.position, part, window_of(part, splines_->spacing()), stop);
+    return shorten(free_, motion_.position, part, window_of(part, 1), stop);
+  }
   /// Long windows where joints are rare: what is gained at one moves the samples of the whole leg.
-  static std::size_t window_of(const FreePart& part) {
-    const double spacing =
-        static_cast<double>(part.end - part.begin) / (1.0 + static_cast<double>(part.end_joint - part.first_joint));
-    return spacing < 20.0 ? 80 : spacing < 60.0 ? 160 : 240;
+  static std::size_t window_of(const FreePart& part, std::size_t spacing) {
+    const double between = static_cast<double>((part.end - part.begin) / spacing) /
+                           (1.0 + static_cast<double>(part.end_joint - part.first_joint));
+    return between < 20.0 ? 80 : between < 60.0 ? 160 : 240;
   }
 
   const FreePath& free_;
+  const SplineTube* const splines_;
   const FreeSamples& motion_;
   const std::vector<FreePart> parts_;
   const FreeOptions& options_;
@@ -167,23 +178,43 @@ class Sweep {
   std::mutex mutex_;
 };
 
+/// Shortens a motion, or its parts as splines, until a sweep gains little or the time is over.
+void sweep(const FreePath& free, const SplineTube* splines, FreeSamples& motion, const FreeOptions& options,
+           const Deadline& deadline, FreeReport& report, double& gained) {
+  const std::size_t n = free.dimensions(), spacing = splines ? splines->spacing() : 1;
+  // Up to 1500 samples or control points, less of short motions: parts are shortened side by side.
+  const std::size_t size = std::clamp(motion.count(n) / 4, std::max<std::size_t>(1000, 300 * spacing), 1500 * spacing);
+  const double worth = splines ? 2e-3 : 4e-4;
+  for (; report.sweeps < options.sweeps; ++report.sweeps) {
+    const bool shifted = report.sweeps % 2 != 0;
+    std::vector<FreePart> parts = Parts(free, motion, size, shifted).parts;
+    if (splines) std::erase_if(parts, [&](const FreePart& part) { return !splines->has_room(part); });
+    if (parts.empty()) break;
+    const std::size_t before = motion.count(n);
+    FreeProgress begun{
+        .stage = fmt::format("sweep {} over the {}", report.sweeps + 1, splines ? "control points" : "samples"),
+        .gained = gained};
+    if (options.progress) options.progress(begun);
+    motion = Sweep(free, splines, motion, std::move(parts), options, deadline, std::move(begun)).run(report);
+    report.ended = deadline.over();
+    const auto saved = static_cast<double>(before - motion.count(n));
+    gained += saved * free.period;
+    if (report.ended || saved < worth * static_cast<double>(before)) break;
+  }
+}
+
 }  // namespace
 
 FreeReport shorten_motion(const FreePath& free, FreeSamples& motion, const FreeOptions& options,
                           const Deadline& deadline) {
   FreeReport report;
-  const std::size_t n = free.dimensions(), start = motion.count(n);
-  for (; report.sweeps < options.sweeps; ++report.sweeps) {
-    const std::size_t before = motion.count(n);
-    FreeProgress begun{.stage = fmt::format("sweep {} over the samples", report.sweeps + 1),
-                       .gained = static_cast<double>(start - before) * free.period};
-    if (options.progress) options.progress(begun);
-    Sweep sweep(free, motion, Parts(free, motion, report.sweeps % 2 != 0).parts, options, deadline, std::move(begun));
-    motion = sweep.run(report);
-    report.ended = deadline.over();
-    const std::size_t saved = before - motion.count(n);
-    if (report.ended || static_cast<double>(saved) < 4e-4 * static_cast<double>(before)) break;
+  double gained = 0.0;
+  for (std::size_t spacing = 4; spacing > 1 && !deadline.over(); spacing /= 2) {
+    const SplineTube splines(free, spacing);
+    sweep(free, &splines, motion, options, deadline, report, gained);
   }
+  if (!deadline.over()) sweep(free, nullptr, motion, options, deadline, report, gained);
+  report.ended = deadline.over();
   return report;
 }
 

@@ -17,6 +17,7 @@ struct FreePath {
   std::vector<double> radius;  ///< m, of the tube around every block, see tube_radii
   std::vector<double> feed;    ///< m/s, of every block; unlimited for rapid moves, which their axes bound
   bool jerk = false;           ///< some axis limits its jerk
+  double slack = 0.0;          ///< m, by which samples that are not yet shortened may be off the tube
 
   FreePath(const Toolpath& toolpath, const Machine& limits, double sample_period);
   std::size_t dimensions() const { return path.dimensions(); }

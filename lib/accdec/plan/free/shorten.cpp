@@ -5,7 +5,6 @@
 #include <accdec/plan/free/passes.hpp>
 #include <accdec/plan/free/shorten.hpp>
 #include <accdec/plan/free/window.hpp>
-#include <accdec/simulate/sample_check.hpp>
 
 namespace accdec {
 namespace {
@@ -16,13 +15,13 @@ constexpr double worth = 0.02;    // samples gained by a round
 
 /// The old motion, counted from a part's begin, at rest before its first and after its last sample.
 struct OldMotion {
-  const FreeSamples& motion;
+  const std::vector<double>& position;
   std::ptrdiff_t begin;
   std::size_t n;
 
   const double* row(std::ptrdiff_t k) const {
-    const auto last = static_cast<std::ptrdiff_t>(motion.count(n)) - 1;
-    return motion.position.data() + static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(begin + k, 0, last)) * n;
+    const auto last = static_cast<std::ptrdiff_t>(position.size() / n) - 1;
+    return position.data() + static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(begin + k, 0, last)) * n;
   }
   /// Linear between samples.
   void at(double k, double* x) const {
@@ -37,15 +36,13 @@ struct OldMotion {
 /// Places are counted in samples of the part, 0 being its begin; passes, too.
 class Shortening {
  public:
-  Shortening(const FreePath& free, const FreeSamples& motion, const FreePart& part, std::size_t size)
+  Shortening(const FreePath& free, const std::vector<double>& position, const FreePart& part, std::size_t size)
       : free_(free),
-        old_{motion, static_cast<std::ptrdiff_t>(part.begin), free.dimensions()},
+        old_{position, static_cast<std::ptrdiff_t>(part.begin), free.dimensions()},
         part_(part),
         n_(free.dimensions()),
-        window_{free.border(), size} {
-    for (std::size_t j = part.first_joint; j < part.end_joint; ++j)
-      passes_.push_back(motion.passes[j] - static_cast<double>(part.begin));
-  }
+        window_{free.border(), size},
+        passes_(part.passes) {}
 
   ShortenedPart run(const std::function<bool()>& stop) {
     const std::size_t length = part_.end - part_.begin;
@@ -66,6 +63,21 @@ class Shortening {
       gained = shift_ - before;
     }
     if (!land(from, done) || !kept()) return {};
+    return std::move(result_);
+  }
+
+  std::optional<ShortenedPart> run_at_once(int more) {
+    Window landed;
+    double best = 0.0;
+    if (try_landing(0, true, best, landed)) {
+      while (try_landing(0, true, best + 1.0, landed)) ++best;
+    } else {
+      do --best;
+      while (best >= -more && !try_landing(0, true, best, landed));
+    }
+    if (best < -more) return {};
+    take(0, landed, best);
+    result_.passes = passes_;
     return std::move(result_);
   }
 
@@ -161,8 +173,7 @@ class Shortening {
     for (std::size_t i = 0; i < w.passes.size(); ++i)
       passes_[first_pass_ + i] = static_cast<double>(from) + w.passes[i].at;
     for (std::size_t i = first_pass_ + w.passes.size(); i < passes_.size(); ++i) {
-      const double before = old_.motion.passes[part_.first_joint + i] - static_cast<double>(part_.begin);
-      passes_[i] = std::max(before - shift, static_cast<double>(from + w.size) - 1.0);
+      passes_[i] = std::max(part_.passes[i] - shift, static_cast<double>(from + w.size) - 1.0);
     }
     shift_ = shift;
   }
@@ -249,6 +260,7 @@ class Shortening {
       while (at_end && try_landing(start, at_end, best + 1.0, landed)) ++best;
       if (best < 1.0) return false;
       take(start, landed, best);
+      result_.moved = solved();
       keep(part_.end - part_.begin - static_cast<std::size_t>(best));
       result_.saved = static_cast<std::size_t>(best);
       result_.passes = passes_;
@@ -284,31 +296,18 @@ class Shortening {
     return false;
   }
 
-  /// Whether every sample is in its tube and every joint within its tolerance. If no window was solved, a mean of
-  /// two copies of the old motion may cut both by a T^2/8.
+  /// If no window was solved, a mean of two copies of the old motion may cut corners by a T^2/8.
   bool kept() const {
-    std::array<double, program_axis_count> x{};
-    std::size_t leg = part_.first_joint, next = 0;
-    for (std::size_t k = 0; k < solved(); ++k) {
-      for (; next < passes_.size() && passes_[next] <= static_cast<double>(k); ++next)
-        leg = part_.first_joint + next + 1;
-      const double off =
-          segment_distance2(free_.path.point(leg), free_.path.point(leg + 1), &result_.position[k * n_], n_);
-      if (!holds(std::sqrt(off), free_.radius[leg])) return false;
-    }
-    for (std::size_t i = 0; i < passes_.size(); ++i) {
-      const std::size_t joint = part_.first_joint + i;
-      now_at(passes_[i], x.data());
-      const double* const point = free_.path.point(joint + 1);
-      const double off = segment_distance2(point, point, x.data(), n_);
-      if (!holds(std::sqrt(off), std::min(free_.path.tolerance[joint], free_.radius[joint]))) return false;
-    }
-    return true;
+    return keeps_path(free_, part_, result_.moved, passes_, [&](std::ptrdiff_t k) -> const double* {
+      const auto count = static_cast<std::ptrdiff_t>(solved());
+      if (k >= 0 && k < count) return result_.position.data() + static_cast<std::size_t>(k) * n_;
+      return old_.row(k < 0 ? k : k + static_cast<std::ptrdiff_t>(result_.saved));
+    });
   }
 
   const FreePath& free_;
   const OldMotion old_;
-  const FreePart part_;
+  const FreePart& part_;
   const std::size_t n_;
   const struct { std::size_t border, size; } window_;  // samples
   std::vector<double> passes_;
@@ -319,9 +318,14 @@ class Shortening {
 
 }  // namespace
 
-ShortenedPart shorten(const FreePath& free, const FreeSamples& motion, const FreePart& part, std::size_t size,
+ShortenedPart shorten(const FreePath& free, const std::vector<double>& position, const FreePart& part, std::size_t size,
                       const std::function<bool()>& stop) {
-  return Shortening(free, motion, part, size).run(stop);
+  return Shortening(free, position, part, size).run(stop);
+}
+
+std::optional<ShortenedPart> shorten_at_once(const FreePath& free, const std::vector<double>& position,
+                                             const FreePart& part, int more) {
+  return Shortening(free, position, part, part.end - part.begin).run_at_once(more);
 }
 
 }  // namespace accdec

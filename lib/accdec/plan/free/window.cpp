@@ -154,9 +154,10 @@ class WindowProgram {
   }
 
   void add_pass(const WindowPass& pass) {
-    const double tolerance = std::min(free_.path.tolerance[pass.joint], free_.radius[pass.joint]);
     const double floor = std::floor(pass.at);
     const auto k = static_cast<std::ptrdiff_t>(floor);
+    double tolerance = std::min(free_.path.tolerance[pass.joint], free_.radius[pass.joint]);
+    if (k < 0 || k + 1 >= size_) tolerance += free_.slack;
     LinearPoint point;
     add(point, 0, k, 1.0 - (pass.at - floor));
     add(point, 1, k + 1, pass.at - floor);

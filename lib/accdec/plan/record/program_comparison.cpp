@@ -206,7 +206,8 @@ class Comparison {
 
   /// Results of earlier schemas lack the first ones; the others are always written, but compared in kind only.
   bool may_lack(const std::string& name) const {
-    if (name.ends_with(".left_at_end")) return true;  // earlier results do not say it
+    if (name.ends_with(".left_at_end") || name.ends_with(".left_at_stop"))
+      return true;  // earlier results do not say it
     if (name == "control_must" || name == "feed_overrides" || name == "not_considered" || name == "axis_loads")
       return !whole_;
     const bool written = name == "bounds" || name == "feeds_slowed" || name == "repair_rounds" || name == "solver" ||
@@ -335,8 +336,9 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
     differences.skipped.emplace_back("commands.trajectory.stretch_s2_m at rest");
   }
   if (record.result.settings) {
-    for (const char* name : {"members", "tried", "complete", "free_taps_s", "today_s"})
+    for (const char* name : {"members", "tried", "guessed", "complete", "free_taps_s", "today_s"})
       differences.skipped.push_back(std::string("settings.") + name);
+    if (record.result.settings->search_limit) differences.skipped.emplace_back("settings.search_limit_s");
   } else if (record.result.today) {
     differences.skipped.emplace_back("today_s");
   }

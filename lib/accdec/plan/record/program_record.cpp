@@ -47,9 +47,9 @@ class Reader {
       return std::move(record_);
     }
     read_summary();
-    if (json_.has("settings")) read_program_settings(json_["settings"], r);
-    read_program_today(json_, r);
     if (json_.has("inputs")) read_inputs(json_["inputs"]);
+    if (json_.has("settings")) read_program_settings(json_["settings"], record_.task, r);
+    read_program_today(json_, r);
     record_.commands = json_.has("commands") && json_.has("inputs");
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
     if (r.settings && record_.task.settings) {
@@ -164,6 +164,7 @@ class Reader {
     record_.task = parse_task(
         in.task_text, in.task_path + " (in " + name_ + ")",
         {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
+    record_.result.task_machine = record_.task.machine;
     in.reading.error_max = record_.task.program_error_max;
     in.reading.room_for_chords = record_.schema == ProgramSchema::program_2;
     in.reading.contour_max = record_.task.program_contour_max.value_or(unlimited);

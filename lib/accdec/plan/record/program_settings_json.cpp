@@ -4,6 +4,7 @@
 
 #include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/record/program_settings_json.hpp>
 
@@ -61,7 +62,9 @@ Json program_settings_to_json(const ProgramResult& result) {
   if (settings.chosen.family != SettingFamily::taps) {
     json["members"] = settings.members;
     json["tried"] = settings.tried;
+    json["guessed"] = settings.guessed;
     json["complete"] = settings.complete;
+    if (settings.search_limit) json["search_limit_s"] = *settings.search_limit;
   }
   if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
   if (result.today) json["today_s"] = program_today_json(result);
@@ -72,8 +75,9 @@ Json program_settings_to_json(const ProgramResult& result) {
   return json;
 }
 
-void read_program_settings(const Value& json, ProgramResult& result) {
+void read_program_settings(const Value& json, const Task& task, ProgramResult& result) {
   ProgramSettings& settings = result.settings.emplace();
+  if (task.settings) settings.control = std::make_shared<const ControllerSettings>(*task.settings);
   const auto family = setting_family_from_string(json["family"].text());
   if (!family) json["family"].fail("is no family of settings");
   if (*family == SettingFamily::taps) {
@@ -82,7 +86,10 @@ void read_program_settings(const Value& json, ProgramResult& result) {
   } else {
     settings.members = json["members"].integer<long>();
     settings.tried = json["tried"].integer<long>();
+    if (json.has("guessed")) settings.guessed = json["guessed"].integer<long>();
     settings.complete = json["complete"].boolean();
+    if (json.has("search_limit_s")) settings.search_limit = json["search_limit_s"].number();
+    settings.is_today = result.plan.command() != nullptr && is_todays(task, result.plan.set());
   }
   settings.chosen.family = *family;
   for (const Value& value : json["values"].elements())

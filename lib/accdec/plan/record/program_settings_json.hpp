@@ -20,7 +20,7 @@ void read_program_today(const Value& json, ProgramResult& result);
 nlohmann::ordered_json program_settings_to_json(const ProgramResult& result);
 
 /// Reads what `program_settings_to_json` wrote into the result. The filter of the settings stays empty: the result has
-/// its taps. @throws Mistake for what it never writes
-void read_program_settings(const Value& json, ProgramResult& result);
+/// its taps. @param task  of the record @throws Mistake for what it never writes
+void read_program_settings(const Value& json, const Task& task, ProgramResult& result);
 
 }  // namespace accdec

@@ -1,19 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <iterator>
-#include <numbers>
 #include <optional>
 #include <set>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
-#include <accdec/plan/report/samples.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/verify.hpp>
 
@@ -67,75 +62,6 @@ std::string judged_at_ends(const ProgramResult& result) {
   if (axes.empty() || turns == 0) return "";
   return fmt::format("{} of {}: judged at the ends of arcs and other smooth turns, not inside them ({} points)",
                      to_string(LimitKind::residual), fmt::join(axes, ", "), turns);
-}
-
-namespace {
-
-/// A mode's free vibration as x' + i x. The motion passes it on from sample to sample; a change of velocity adds to x'.
-class Swing {
- public:
-  Swing(const ProgramResult& result, const LimitUse& use) {
-    const Toolpath& path = result.plan.path;
-    while (axis_ + 1 < path.dimensions() && path.axis_name(axis_) != use.axis) ++axis_;
-    const double natural = 2.0 * std::numbers::pi * use.frequency;
-    damped_ = natural * std::sqrt((1.0 - use.damping) * (1.0 + use.damping));
-    turn_ = result.sample_period * std::complex<double>(-use.damping * natural, damped_);
-  }
-  void pass(double samples, const double* velocities) {
-    state_ = state_ * std::exp(turn_ * samples) + (velocities[axis_] - velocity_);
-    velocity_ = velocities[axis_];
-  }
-  /// m, if the motion stops now.
-  double amplitude() const { return std::abs(state_ - velocity_) / damped_; }
-
- private:
-  std::size_t axis_ = 0;
-  double damped_ = 0.0, velocity_ = 0.0;
-  std::complex<double> turn_, state_ = 0.0;
-};
-
-bool above_bound(const LimitUse& use, double left) {
-  return left > use.bound * (1.0 + verification_tolerance);
-}
-
-}  // namespace
-
-std::vector<double> left_at_end(const ProgramResult& result) {
-  const std::vector<LimitUse>& limits = result.check.limits;
-  std::vector<double> left(limits.size(), 0.0);
-  std::vector<std::pair<std::size_t, Swing>> swings;
-  for (std::size_t i = 0; i < limits.size(); ++i) {
-    if (limits[i].kind == LimitKind::residual) swings.emplace_back(i, Swing(result, limits[i]));
-  }
-  if (swings.empty() || result.plan.empty()) return left;
-  std::int64_t before = 0;
-  const auto look = [&](std::int64_t k, const double*, const double* velocities) {
-    for (auto& [i, swing] : swings) swing.pass(static_cast<double>(k - before), velocities);
-    before = k;
-  };
-  visit_samples(result, look, Steady::passed);
-  for (const auto& [i, swing] : swings) left[i] = swing.amplitude();
-  return left;
-}
-
-std::vector<std::string> left_at_end_in_words(const ProgramResult& result, const std::vector<double>& left) {
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    const LimitUse& use = result.check.limits[i];
-    if (use.kind != LimitKind::residual) continue;
-    const auto [unit, per_si] = limit_unit(use.kind, use.axis);
-    lines.push_back(fmt::format(
-        "{} of {} after the program's end, all moves together: {:.6g} {} at {:.6g} Hz{}", to_string(use.kind), use.axis,
-        per_si * left[i], unit, use.frequency,
-        above_bound(use, left[i]) ? ", above the bound, which judges starts, corners and stops alone" : ""));
-  }
-  return lines;
-}
-
-bool rings_at_end(const ProgramResult& result, const std::vector<double>& left) {
-  for (std::size_t i = 0; i < left.size(); ++i)
-    if (above_bound(result.check.limits[i], left[i])) return true;
-  return false;
 }
 
 double largest_widening(const Toolpath& path) {

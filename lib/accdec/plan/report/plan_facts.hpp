@@ -29,16 +29,6 @@ std::size_t smooth_turns(const Toolpath& path);
 /// The same in words, with the axes whose modes' amplitudes are limited; empty: there is no such turn or no such limit.
 std::string judged_at_ends(const ProgramResult& result);
 
-/// The amplitude, m, that all moves together leave a mode of an axis with after the last sample: one for each of
-/// `result.check.limits`, 0 for limits of other kinds. Every change of the axis' velocity counts, with its phase, at the
-/// frequency and damping at which the bound is used most. The bound judges a start, a corner or a stop without what rang
-/// before it. All samples are computed for it once.
-std::vector<double> left_at_end(const ProgramResult& result);
-/// The same in words, a line for each mode of an axis. @param left  as found by left_at_end
-std::vector<std::string> left_at_end_in_words(const ProgramResult& result, const std::vector<double>& left);
-/// Whether one of them is above its bound. @param left  as found by left_at_end
-bool rings_at_end(const ProgramResult& result, const std::vector<double>& left);
-
 /// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double largest_widening(const Toolpath& path);
 

@@ -5,6 +5,7 @@
 
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/left_at_rest.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
@@ -23,7 +24,7 @@ Json number(double value) {
 Json limits_json(const ProgramResult& result) {
   Json list = Json::array();
   const std::size_t turns = smooth_turns(result.plan.path);
-  const std::vector<double> left = left_at_end(result);
+  const std::vector<LeftAtRest> left = left_at_rest(result);
   for (std::size_t i = 0; i < left.size(); ++i) {
     const LimitUse& use = result.check.limits[i];
     const double in_si = si_over_inside(use.kind, use.axis);
@@ -37,7 +38,8 @@ Json limits_json(const ProgramResult& result) {
     if (of_mode(use.kind)) item["frequency_Hz"] = number(use.frequency);
     if (use.damping > 0.0) item["damping_ratio"] = number(use.damping);
     if (use.kind == LimitKind::residual && turns > 0) item["smooth_turns_judged_at_ends"] = turns;
-    if (use.kind == LimitKind::residual) item["left_at_end"] = number(in_si * left[i]);
+    if (use.kind == LimitKind::residual) item["left_at_end"] = number(in_si * left[i].at_end);
+    if (left[i].at_stop > 0.0) item["left_at_stop"] = number(in_si * left[i].at_stop);
     list.push_back(std::move(item));
   }
   return list;

@@ -15,6 +15,7 @@
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/report/left_at_rest.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
@@ -33,13 +34,17 @@ std::string indented(std::string text) {
 /// Limits of which bounds know nothing or only a part; empty if there are none.
 std::string left_out_by_bounds(const Machine& machine) {
   std::vector<std::string> texts;
-  const auto add = [&](bool limited, const char* text) {
-    if (limited && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.emplace_back(text);
+  const auto add = [&](bool limited, std::string text) {
+    if (limited && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(std::move(text));
   };
   for (const Axis& axis : machine.axes) {
-    add(axis.force_max < unlimited, "force_max_N, but for the acceleration that it gives if friction helps");
-    add(axis.power_max < unlimited, "power_max_W");
-    add(axis.regeneration_max < unlimited, "regeneration_max_W");
+    for (const AxisLimit& limit : axis_limits) {
+      if (limit.kind != LimitKind::force && limit.kind != LimitKind::power && limit.kind != LimitKind::regeneration)
+        continue;
+      add(axis.*limit.bound < unlimited,
+          limit_key(limit, axis.name) +
+              (limit.kind == LimitKind::force ? ", but for the acceleration that it gives if friction helps" : ""));
+    }
   }
   add(!machine.modes.empty(), "[[mode]]");
   return fmt::format("{}", fmt::join(texts, ", "));
@@ -47,7 +52,7 @@ std::string left_out_by_bounds(const Machine& machine) {
 
 class SummaryText {
  public:
-  explicit SummaryText(const ProgramResult& result) : result_(result), left_at_end_(left_at_end(result)) {}
+  explicit SummaryText(const ProgramResult& result) : result_(result), left_at_rest_(left_at_rest(result)) {}
 
   std::string write() {
     if (const std::string answer = program_answer(result_); !answer.empty()) put("{}\n", answer);
@@ -67,9 +72,7 @@ class SummaryText {
     put("\n");
     put("\n  {}{}{}\n",
         !result_.verification.feasible ? "NOT verified"
-        : rings_at_end(result_, left_at_end_)
-            ? "verified: every sample simulated, all bounds hold, residuals for each corner alone and not at the end"
-            : "verified: every sample simulated, all bounds hold",
+                                       : "verified: every sample simulated, " + bounds_that_hold(left_at_rest_),
         result_.message.empty() ? "" : ": ", result_.message);
     return fmt::to_string(text_);
   }
@@ -178,8 +181,9 @@ class SummaryText {
     std::size_t too_fast = 0;
     for (const SlowedFeeds& slowed : result_.too_fast) {
       too_fast += slowed.blocks;
-      put("  {} blocks slowed to start and stop within {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
-          slowed.limit, slowed.line, 100.0 * slowed.factor);
+      const bool on_legs = slowed.limit == to_string(LimitKind::contour);
+      put("  {} blocks slowed to {} {}, most in line {} to {:.1f} % of its feed\n", slowed.blocks,
+          on_legs ? "keep the" : "start and stop within", slowed.limit, slowed.line, 100.0 * slowed.factor);
     }
     if (result_.slowed > too_fast)
       put("  {} blocks slowed, on curves or too short for their feed\n", result_.slowed - too_fast);
@@ -243,7 +247,7 @@ class SummaryText {
                                            : fmt::format("line {}", use.line));
     }
     if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
-    for (const std::string& left : left_at_end_in_words(result_, left_at_end_)) put("  {}\n", left);
+    for (const std::string& left : left_at_rest_in_words(result_, left_at_rest_)) put("  {}\n", left);
     for (const AxisLoad& load : result_.loads) {
       const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",
@@ -253,7 +257,7 @@ class SummaryText {
   }
 
   const ProgramResult& result_;
-  const std::vector<double> left_at_end_;
+  const std::vector<LeftAtRest> left_at_rest_;
   fmt::memory_buffer text_;
 };
 

@@ -15,6 +15,7 @@
 #include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/plan/filters/settings_trials.hpp>
 #include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/program.hpp>
@@ -29,8 +30,15 @@ using Tell = std::function<void(const std::string&)>;
 /// s, for a filter. Small programs are not worth a minute.
 double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
   const double usual = std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks()));
-  return options.time_limit ? std::max(0.05, 0.5 * std::min(*options.time_limit, options.deadline.left())) : usual;
+  // The plan needs a part of what is left; bounds come behind it.
+  constexpr double part_of_limit = 0.5, part_of_left = 2.0 / 3.0;
+  return options.time_limit
+             ? std::max(0.05, std::min(part_of_limit * *options.time_limit, part_of_left * options.deadline.left()))
+             : usual;
 }
+
+/// Blocks of programs that are planned with settings whatever the time limit.
+constexpr std::size_t at_once_max = 2'000;
 
 /// The task's filter, the filter in a program that --emit wrote, or one designed for the program with any delays. None
 /// if none holds; the message gives the reason.
@@ -63,8 +71,15 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
   const bool keep = options.fixed.feeds == Feeds::keep;
   const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
-  if (task.settings && task.settings->names_family() && !emitted_one)
-    return settings_filter(path, task, keep, until(), tell);
+  if (task.settings && task.settings->names_family() && !emitted_one) {
+    const double limit = filter_seconds(path, options);
+    const Deadline end = options.deadline.within(limit);
+    ProgramFilter choice =
+        settings_filter(path, task, keep, path.blocks() <= at_once_max ? with_one_plan(end) : end, tell);
+    const bool own = !options.time_limit && !options.deadline.over();
+    if (own && choice.settings && !choice.settings->complete) choice.settings->search_limit = limit;
+    return choice;
+  }
   if (!task.settings || !limits_taps(*task.settings) || emitted_one) return taps_for_program(path, task, options, tell);
   ProgramFilter choice;
   choice.message = corner_without_stop(path, task);
@@ -126,6 +141,7 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task
     result.settings->chosen = as_settings(result.plan.set());  // of the plan at kept feeds, if that is the answer
   result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
   if (result.plan.empty()) return;
+  result.settings->is_today = is_todays(task, result.plan.set());
   const FilteredCommand& command = *result.plan.command();
   CommandDelays delays = command_delays(result.plan.path, command.filter, task.sample_period, command.delays);
   if (!task.settings->delays.empty()) result.settings->chosen.delays = std::move(delays.kinds);
@@ -139,16 +155,24 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task
 /// Adds the time that the program takes with today's setting of the task's control, if the task names one.
 void say_today(ProgramResult& result, const Toolpath& programmed, const Task& task, const ProgramFileOptions& options) {
   const FilterSpec* const today = todays_filter(task);
-  if (today == nullptr || options.deadline.over()) return;
+  if (result.settings && result.settings->is_today) {
+    result.today = result.verification.feasible ? result.cycle_time : unlimited;
+    return;
+  }
+  const bool short_one = task.settings->names_family() && programmed.blocks() <= at_once_max;
+  if (today == nullptr || (!short_one && options.deadline.over())) return;
   const Filter filter = make_filter(*today);
-  const Deadline until = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
+  const Deadline end = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
+  const Deadline until = short_one ? with_one_plan(end) : end;
   Toolpath path = programmed;
   path.control = planned_control(
       *task.settings, width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
+  const Deadline deadline = short_one ? with_one_plan(options.deadline) : options.deadline;
   const ProgramResult plan =
-      run_program({result.program, std::move(path), task, options.fixed.feeds, options.deadline}, filter);
-  // A plan that was cut short says little of the setting.
-  if (!options.deadline.over()) result.today = plan.verification.feasible ? plan.cycle_time : unlimited;
+      run_program({result.program, std::move(path), task, options.fixed.feeds, deadline}, filter);
+  const double time = plan.verification.feasible ? plan.cycle_time : unlimited;
+  // A plan that was cut short says little of the setting, unless it is the faster one.
+  if (!deadline.over() || time < result.cycle_time) result.today = time;
 }
 
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
@@ -161,10 +185,12 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
                     (!options.fixed.compensate_arcs || file.path.arcs.empty());
   const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
   const Toolpath programmed = says ? file.path : Toolpath{};
+  const bool families = choice.settings && task.settings->names_family();
+  const Deadline deadline = families ? with_one_plan(options.deadline) : options.deadline;
   const auto plan = [&](ProgramFile read, Feeds feeds) {
     set_control(read.path, task, choice);
     ProgramResult planned =
-        run_program({read.name, std::move(read.path), task, feeds, options.deadline, options.fixed.filter_bound},
+        run_program({read.name, std::move(read.path), task, feeds, deadline, options.fixed.filter_bound},
                     *choice.filter, choice.plan);
     planned.reading = std::move(read.reading);
     return planned;
@@ -190,7 +216,6 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   }
   result.solver = choice.solver;
   result.solver.wall_time += planning;
-  const bool families = choice.settings && task.settings->names_family();
   result.kept_same_filter = choice.designed || families;
   if (kept && !options.deadline.over()) offer_kept(std::move(straight), task, options, result);
   if (choice.settings) say_settings(result, choice, task);
@@ -225,6 +250,21 @@ std::optional<double> time_of_free_taps(const ProgramResult& result, const Progr
   return best;
 }
 
+/// The plan with today's setting, where the search's choice turned out slower: refined plans differ from those of the
+/// search.
+ProgramResult keep_today(ProgramResult result, ProgramFilter choice, const ProgramFile& file, const Task& task,
+                         const ProgramFileOptions& options) {
+  const auto today = choice.settings->today;
+  if (!today || result.settings->is_today || !(result.today.value_or(unlimited) < result.cycle_time)) return result;
+  const Deadline until = with_one_plan(options.deadline);
+  const bool keep = options.fixed.feeds == Feeds::keep;
+  choice.settings->chosen = *today;
+  choice.filter = make_filter(today->filter), choice.plan = {};
+  choice.settings->width = width_for_program(file.path, task, *choice.filter, keep, until);
+  ProgramResult kept = plan_as_read(file, choice, task, options);
+  return kept.verification.feasible && kept.cycle_time < result.cycle_time ? kept : result;
+}
+
 /// How a program with arcs commanded as they are compares with one that widens them.
 std::string compensation_note(const ProgramResult& plain, const ProgramResult& widened) {
   return fmt::format("arcs are commanded as programmed, which takes {:.6g} s: {}", plain.cycle_time,
@@ -248,6 +288,7 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
   const bool settings = choice.settings && task.settings->names_family() && file.path.blocks() <= several_plans_max;
   const ProgramFile read = settings ? file : ProgramFile{};
   ProgramResult result = plan_as_read(std::move(file), choice, task, options);
+  if (settings && !result.plan.empty()) result = keep_today(std::move(result), choice, read, task, options);
   if (settings && !result.plan.empty() && !options.deadline.over())
     result.settings->free_taps = time_of_free_taps(result, read, task, options);
   return result;

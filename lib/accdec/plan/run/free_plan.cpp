@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <accdec/files.hpp>
-#include <accdec/plan/along/coarse_runs.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/run/along_plan.hpp>
@@ -93,19 +92,13 @@ AlongPlan if_faster(AlongPlan begun, FreeSamples samples, const ProgramResult& p
   return {std::move(result), std::move(samples)};
 }
 
-/// The motion with splines along its runs, and with each straight leg between stops by itself. The last legs are made
-/// for what is before them; runs that are put between them later would meet them too early.
-AlongPlan with_fastest_runs(AlongPlan begun, const ProgramResult& profiles, const FreePath& tube,
-                            const ProgramFileOptions& options, FreeReport& report,
-                            const std::function<void(const std::string&)>& tell) {
+/// The motion with each straight leg between stops by itself.
+AlongPlan with_fastest_legs(AlongPlan begun, const ProgramResult& profiles, const FreePath& tube,
+                            const Deadline& deadline, const std::function<void(const std::string&)>& tell) {
   FreeSamples straight = with_straight_runs(tube, begun.samples);
   begun =
       if_faster(std::move(begun), std::move(straight), profiles, tube, "legs from stop to stop by closed form", tell);
-  // A run by splines may be refused as a whole, as where the time ends before all its windows were solved.
-  const Deadline half = options.deadline.within(0.5 * options.deadline.left());
-  FreeSamples splines = with_coarse_runs(tube, begun.samples, options.free, half, report);
-  begun = if_faster(std::move(begun), std::move(splines), profiles, tube, "windows of splines by interior point", tell);
-  FreeSamples shortest = with_shortest_legs(tube, begun.samples, options.deadline);
+  FreeSamples shortest = with_shortest_legs(tube, begun.samples, deadline);
   return if_faster(std::move(begun), std::move(shortest), profiles, tube, "legs from stop to stop by linear programmes",
                    tell);
 }
@@ -115,8 +108,7 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
                         const ProgramFileOptions& options, const std::function<void(const std::string&)>& tell) {
   const FreePath tube(profiles.plan.path, machine, profiles.sample_period);
   options.free.tell("legs from stop to stop");
-  FreeReport coarse;
-  begun = with_fastest_runs(std::move(begun), profiles, tube, options, coarse, tell);
+  begun = with_fastest_legs(std::move(begun), profiles, tube, options.deadline, tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   ProgramResult result = with_samples(profiles, begun.samples);
   const std::string broken = judge_free_motion(result, machine);
@@ -126,7 +118,7 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
   else
     result.solver.method = "windows by interior point";
   if (result.plan.trajectory()->is_free()) result.candidates = {time_of(profiles)};
-  result.solver.evaluations = coarse.programmes + report.programmes;
+  result.solver.evaluations = report.programmes;
   return result;
 }
 

@@ -14,11 +14,13 @@
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/cool_drives.hpp>
 #include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/run/quiet_rests.hpp>
 #include <accdec/plan/run/refused_keys.hpp>
 #include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/program.hpp>
@@ -37,6 +39,18 @@ constexpr double hopelessly_slower = 1.25;
 constexpr std::size_t parts_max = 4'000;  // blocks, of a long program, on which the programmed feeds are tried first
 constexpr int feed_rounds_max = 40;       // of mending feeds
 constexpr double stepping_time = 0.5;     // s, beyond the time limit, for the plan if no other holds
+
+/// @param least  samples at a stop
+std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays, int least) {
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
+  }
+  return delays;
+}
+
+double seconds_of(const ProgramPlan& plan, double sample_period) {
+  return static_cast<double>(plan.simulation.samples) * sample_period;
+}
 
 /// Makes the plan of the result: the fastest requested plan that holds.
 class Planning {
@@ -65,8 +79,9 @@ class Planning {
     ProgramPlan plan = plan_program(base_, filter_, task_.sample_period, machine_, tune_curves, deadline_);
     ScheduledPlan kept{base_, std::move(plan)};
     snap(kept);
+    quieten(kept);
     base_.duration = kept.path.duration;
-    kept_ = seconds(kept.plan);
+    kept_ = seconds_of(kept.plan, task_.sample_period);
     if (all_holds(kept.plan)) result_.cycle_time_kept = kept_;
     offer(std::move(kept), false);
   }
@@ -108,14 +123,15 @@ class Planning {
     if (!all_holds(plan.plan)) return;
     if (!result_.cycle_time_kept) {
       base_ = plan.path;
-      result_.cycle_time_kept = kept_ = seconds(plan.plan);
+      result_.cycle_time_kept = kept_ = seconds_of(plan.plan, task_.sample_period);
     }
     offer(std::move(plan), false);
   }
   /// Plans again as `--feeds keep` does, so that chosen feeds are not slower.
   void tune(const Toolpath& path, Feeds feeds) {
     if (deadline_.over() || !kept_) return;
-    const bool hopeless = path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds(best_.plan);
+    const bool hopeless =
+        path.blocks() > tuned_max || *kept_ > hopelessly_slower * seconds_of(best_.plan, task_.sample_period);
     if (feeds != Feeds::choose_fitting || !hopeless) keep(path, true);
   }
   /// If no plan holds, or the time ended before a good one was found: a slow one that stops at every joint.
@@ -130,12 +146,10 @@ class Planning {
   }
   /// Lowers all feeds where a drive would be warmer over the program than its rating.
   void cool() {
-    const auto check = [this](ScheduledPlan& plan) {
-      plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
-      settle(plan);
-    };
-    if (cool_drives(best_, filter_, task_.sample_period, machine_, check, deadline_))
-      result_.cycle_time_kept.reset();  // that plan was not held against the ratings
+    const auto again = [this](ScheduledPlan& plan) { check(plan); };
+    if (!cool_drives(best_, filter_, task_.sample_period, machine_, again, deadline_)) return;
+    result_.cycle_time_kept.reset();  // that plan was not held against the ratings
+    quieten(best_);
   }
   /// The plan as the result's.
   void take() {
@@ -163,16 +177,14 @@ class Planning {
   /// The times without delays and with exact stops, at the programmed feeds. If only the plan with chosen feeds was
   /// made, at its feeds.
   void other_rules() const {
-    OtherRules times = accdec::other_rules(at_other_rules(), filter_, task_.sample_period, machine_);
+    const Toolpath& at = result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.plan.path;
+    OtherRules times = accdec::other_rules(at, filter_, task_.sample_period, machine_);
     result_.cycle_time_no_delay = times.no_delay;
     result_.cycle_time_exact_stop = times.exact_stop;
     result_.exact_stop_breaks = std::move(times.breaks);
   }
 
  private:
-  const Toolpath& at_other_rules() const {
-    return result_.feeds_chosen && result_.cycle_time_kept ? base_ : result_.plan.path;
-  }
   /// Offers a plan with the program's own feeds and delays, unchanged. A program that --emit wrote holds this way.
   void as_commanded(const Toolpath& path, bool feeds_chosen) {
     ScheduledPlan plan{path, {}};
@@ -203,24 +215,18 @@ class Planning {
     plan.plan.simulation = std::move(snapped.simulation);
     plan.plan.errors_hold = true;
   }
-  std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays) const {
-    const int least = exact_stop_delay(filter_);
-    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      if (path.joint[b] == Joint::stop) delays[b] = std::min(delays[b], least);
-    }
-    return delays;
-  }
   /// Whether parts of a program show that it is clearly slower at the programmed feeds.
   bool slower_in_parts(const Toolpath& path) const {
     constexpr double clearly = 1.002;
     double kept = 0.0, chosen = 0.0;
     for (Toolpath& part : stretches(path, parts_max)) {
-      chosen += seconds(
-          schedule_feeds(part, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_).plan);
+      chosen += seconds_of(
+          schedule_feeds(part, filter_, task_.sample_period, machine_, feed_rounds_max, deadline_, feed_step_).plan,
+          task_.sample_period);
       limit_rapids(part, filter_, task_.sample_period, machine_);
       const ProgramPlan plan = plan_program(part, filter_, task_.sample_period, machine_, false, deadline_);
       if (!all_holds(plan)) return true;
-      kept += seconds(plan);
+      kept += seconds_of(plan, task_.sample_period);
     }
     return kept > clearly * chosen;
   }
@@ -228,8 +234,9 @@ class Planning {
   std::int64_t least_kept(Toolpath path) const {
     limit_rapids(path, filter_, task_.sample_period, machine_);
     snap_durations(path, filter_, task_.sample_period, machine_);
+    hold_contour(path, behind_, task_.sample_period);
     std::vector<int> delays = pairwise_delays(path, filter_, task_.sample_period, machine_).delays;
-    delays = with_least_stops(path, std::move(delays));
+    delays = with_least_stops(path, std::move(delays), exact_stop_delay(filter_));
     for (std::size_t b = 0; b < path.blocks(); ++b) {
       if (!ends_leg(path, b)) delays[b] = 0;  // curves may be slowed instead
     }
@@ -239,7 +246,7 @@ class Planning {
   /// enough.
   void relax_stops(ScheduledPlan& plan) const {
     if (!plan.path.given_delays.empty()) return;
-    std::vector<int> delays = with_least_stops(plan.path, plan.plan.delays);
+    std::vector<int> delays = with_least_stops(plan.path, plan.plan.delays, exact_stop_delay(filter_));
     if (delays == plan.plan.delays) return;
     ProgramPlan relaxed = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(delays));
     if (!all_holds(relaxed)) return;
@@ -248,8 +255,15 @@ class Planning {
     plan.plan.simulation = std::move(relaxed.simulation);
     plan.plan.errors_hold = true;
   }
-  double seconds(const ProgramPlan& plan) const {
-    return static_cast<double>(plan.simulation.samples) * task_.sample_period;
+  /// Simulates a plan whose feeds or delays were changed.
+  void check(ScheduledPlan& plan) const {
+    plan.plan = check_program(plan.path, filter_, task_.sample_period, machine_, std::move(plan.plan.delays));
+    settle(plan);
+  }
+  /// Whether all moves together leave the modes of axes with no more than their bounds.
+  bool quieten(ScheduledPlan& plan) const {
+    const auto again = [this](ScheduledPlan& changed) { check(changed); };
+    return accdec::quieten(plan, filter_, task_.sample_period, machine_, again, deadline_);
   }
   /// Delays as the control can give them, and whether it can.
   void settle(ScheduledPlan& plan) const {
@@ -260,12 +274,15 @@ class Planning {
     relax_stops(plan);
     settle(plan);
     const bool first = best_.plan.delays.empty();
+    const bool slow = plan.plan.simulation.samples >= best_.plan.simulation.samples;
+    const bool quiet = (!first && quiet_ && slow) || quieten(plan);
     // If arcs are to be widened, a plan that widens them is better than a faster one that does not.
     const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
     const bool faster = plan.plan.simulation.samples < best_.plan.simulation.samples;
-    const bool better = all_holds(plan.plan) && (!all_holds(best_.plan) || (widened == had_widened ? faster : widened));
-    if (!first && !better) return;
+    const bool better = quiet != quiet_ ? quiet : widened == had_widened ? faster : widened;
+    if (!first && !(all_holds(plan.plan) && (!all_holds(best_.plan) || better))) return;
     best_ = std::move(plan);
+    quiet_ = quiet;
     result_.feeds_chosen = feeds_chosen;
   }
 
@@ -282,6 +299,7 @@ class Planning {
   Toolpath base_;               // planned at the programmed feeds
   std::optional<double> kept_;  // s, of that plan, which need not hold
   bool chosen_ = false;         // a plan of chosen feeds was found
+  bool quiet_ = false;          // the best plan is, see quieten
   bool delays_had_ = true;
   std::vector<int> alone_;
 };

@@ -26,16 +26,18 @@ constexpr std::array<std::pair<PlanKind, std::string_view>, 3> plan_kinds{
 ProgramResult fixed_with_bounds(ProgramFile file, const Task& task, const ProgramFileOptions& options,
                                 const std::function<void(const std::string&)>& tell) {
   const double chords = file.reading.read.arc_tolerance;
-  // Before the plan, which may take all the time that is left.
-  const Deadline most = options.deadline.within(0.5 * options.deadline.left());
-  std::optional<CornerBound> bound;
-  if (file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path))) {
-    if (tell) tell("bounds");
-    bound = corner_bound_of(file.path, task, most);
-  }
-  ProgramResult result = run_fixed_plan(std::move(file), task, options, tell);
+  const bool bounded = file.path.blocks() <= several_plans_max && !has_servo(program_machine(task.machine, file.path));
+  const Toolpath path = bounded ? file.path : Toolpath{};
+  // The plan, which might take all the time, leaves a part of it.
+  constexpr double part_of_plan = 0.75;
+  ProgramFileOptions planning = options;
+  if (bounded) planning.deadline = options.deadline.within(part_of_plan * options.deadline.left());
+  ProgramResult result = run_fixed_plan(std::move(file), task, planning, tell);
   result.taps_control = control_of_taps(task);
-  if (bound && !result.plan.empty()) result.corner_bound = corner_bound_as_read(*bound, chords, result, task, options);
+  if (!bounded || result.plan.empty()) return result;
+  if (tell) tell("bounds");
+  result.corner_bound =
+      corner_bound_as_read(corner_bound_of(path, task, options.deadline), chords, result, task, options);
   return result;
 }
 

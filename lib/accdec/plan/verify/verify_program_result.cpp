@@ -10,6 +10,7 @@
 #include <accdec/machine/mode_text.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/report/left_at_rest.hpp>
 #include <accdec/plan/verify/judge_program.hpp>
 #include <accdec/plan/verify/used_limits.hpp>
 #include <accdec/plan/verify/verify_delay_kinds.hpp>
@@ -85,8 +86,8 @@ class CommandCheck {
     check_vibration();
     describe(motion, time);
     report_.accepted = report_.reasons.empty();
-    report_.shown = fmt::format("{} samples of {} commanded moves simulated again, {:.6g} s: all bounds hold",
-                                motion.samples, path_.blocks(), time);
+    report_.shown = fmt::format("{} samples of {} commanded moves simulated again, {:.6g} s: {}", motion.samples,
+                                path_.blocks(), time, bounds_that_hold(left_at_rest(report_.found)));
     return std::move(report_);
   }
 
@@ -246,6 +247,7 @@ class CommandCheck {
   void describe(const DirectMotion& motion, double time) {
     ProgramResult& found = report_.found;
     found = recorded_plan(result_);
+    found.task_machine = task_.machine;
     found.errors = result_.errors;
     found.check.errors_hold = true;  // or there is a reason
     found.check.samples = motion.samples;
