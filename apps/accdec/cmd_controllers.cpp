@@ -54,6 +54,7 @@ void print_controller(const Controller& controller) {
   fmt::print("delays      {}\n", controller.delays.empty() ? "not known" : joined(controller.delays));
   if (!controller.note.empty()) fmt::print("note        {}\n", printable(controller.note));
   for (const std::string& what : controller.unknown) fmt::print("not found   {}\n", printable(what));
+  for (const std::string& what : controller.assumed) fmt::print("assumed     {}\n", printable(what));
   for (const ControllerSource& source : controller.sources)
     fmt::print("source      {}: {}\n", printable(source.fact), printable(source.where));
 }

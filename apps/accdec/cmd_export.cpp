@@ -29,6 +29,9 @@ void add_export(CLI::App& app, Context& context) {
                    "Text), linuxcnc-comp, klipper, q15 or q31 (whole numbers in C)")
       ->required()
       ->check(one_of(std::vector<std::string>(std::begin(taps_formats), std::end(taps_formats))));
+  command->footer(
+      "npy holds three arrays: taps, delays in samples, a JSON text with all else. numpy.load of the path reads the "
+      "taps. All three: with open(\"taps.npy\", \"rb\") as f: taps, delays, about = [numpy.load(f) for _ in range(3)]");
   add_output_option(*command, "--out", arguments->out, "Write to FILE; - is standard output, the default");
   command->callback([arguments, &context] {
     const std::string text = read_text_file(arguments->result, result_file_limit);

@@ -25,7 +25,7 @@ KEYS = {
                   "error_max_um speed_min_mm_s delay_samples weight".split()),
     "mode": {"frequency_Hz", "damping_ratio", "residual_max"},
     "controller": set("title parameters parameter_units parameter_unit_ms position_unit_um delays "
-                      "delay_words in_position_of in_position_by in_position_latency_ms".split()),
+                      "delay_words assumed in_position_of in_position_by in_position_latency_ms".split()),
     "design": set("order_min order_max symmetric objective runs coefficient_bits family stages length_step_ms "
                   "length_max_ms alpha_step cutoff_step_Hz".split()),
 }

@@ -39,8 +39,8 @@ TEST(ComparedSamples, HaveTheSumsOfAllSamples) {
     }
   }
   // Sums of 100 products of up to 100 * 100, each rounded to 1e-16 of itself.
-  EXPECT_LT((all.transpose() * all - few.transpose() * few).cwiseAbs().maxCoeff(), 1e-9);
-  EXPECT_LT((all.transpose() * at - few.transpose() * samples.at()).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((all.transpose().lazyProduct(all) - few.transpose().lazyProduct(few)).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((all.transpose().lazyProduct(at) - few.transpose().lazyProduct(samples.at())).cwiseAbs().maxCoeff(), 1e-9);
   const Eigen::VectorXd squares = samples.at().colwise().squaredNorm().transpose() + samples.beside_lines();
   EXPECT_LT((squares - at.colwise().squaredNorm().transpose()).cwiseAbs().maxCoeff(), 1e-8);
 }

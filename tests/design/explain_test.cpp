@@ -247,6 +247,19 @@ TEST(Explain, EndsWithItsTimeLimit) {
   EXPECT_EQ(e.solves, 1);
 }
 
+/// Nothing can be proved of servos that differ: a search for each limit would take all of its time.
+TEST(Explain, UnprovedDesignsShareTheTimeOfOne) {
+  Task task = straight(6.0);
+  task.machine.axes[0].servo_gain = 200.0, task.machine.axes[1].servo_gain = 150.0;
+  ExplainOptions options;
+  options.design.time_limit = 1.0;
+  const Explanation e = explain_task(task, options);
+  EXPECT_EQ(e.shared, 1.0);
+  EXPECT_FALSE(e.base_proved);
+  EXPECT_TRUE(e.base.has_design());
+  EXPECT_EQ(explain_task(straight(6.0), options).shared, 0.0);
+}
+
 /// A design is given so much longer by the clock as other programs take from it.
 TEST(Explain, ALoadedMachineGivesADesignLonger) {
   EXPECT_EQ(slowdown(4.0, 2.0), 2.0);

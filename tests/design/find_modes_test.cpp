@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <accdec/design/find_modes.hpp>
@@ -324,6 +325,18 @@ TEST(FindModes, RefusesWhatIsTooShort) {
   const std::vector<double> second(3200, 0.0);
   EXPECT_THROW(find_modes({log_period, {"x"}, {second}}), std::invalid_argument);
   EXPECT_THROW(find_modes({0.01, {"x"}, {second}}, {.frequency_min = 20.0}), std::invalid_argument);
+  const auto refused = [&](double period, const FindModesOptions& options) -> std::string {
+    try {
+      find_modes({period, {"x"}, {second}}, options);
+    } catch (const std::invalid_argument& reason) {
+      return reason.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refused(log_period, {.frequency_min = 90.0, .frequency_max = 40.0}),
+              ::testing::HasSubstr("from 90 to 40 Hz is reversed"));
+  // 32 kHz in a column of ms without a unit.
+  EXPECT_THAT(refused(0.03125, {}), ::testing::HasSubstr("A column t counts seconds"));
 }
 
 }  // namespace

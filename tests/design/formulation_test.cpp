@@ -215,7 +215,7 @@ void check_derivatives(const nlp::Problem& problem, const std::vector<double>& x
           << problem.row_name(static_cast<int>(r)) << " by " << problem.variable_name(static_cast<int>(i));
     }
     if (!problem.has_hessian()) continue;
-    const Eigen::VectorXd slope = (dense_jacobian(up) - dense_jacobian(down)).transpose() * y / (2.0 * h);
+    const Eigen::VectorXd slope = (dense_jacobian(up) - dense_jacobian(down)).transpose().lazyProduct(y) / (2.0 * h);
     for (Eigen::Index r = 0; r < slope.size(); ++r) {
       EXPECT_NEAR(slope[r], hessian(r, column), 1e-5 * (1.0 + hessian.cwiseAbs().maxCoeff()))
           << problem.variable_name(static_cast<int>(r)) << ", " << problem.variable_name(static_cast<int>(i));

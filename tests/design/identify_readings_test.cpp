@@ -83,6 +83,28 @@ TEST(IdentifyReadings, TheFeedTellsThemApart) {
   EXPECT_EQ(listed(limited, {40, 15}), nullptr);
 }
 
+/// An average of 22 is one of 11 with impulses 11 samples apart: one fit with two names. Its move of 60 may be an
+/// average, and a move of 11 with such impulses is one of 22. All move alike. With more numbers a share is less.
+TEST(IdentifyReadings, TheSameMotionIsAsLikelyByAnyName) {
+  const MotionLog log = simulated(taps_of({22}), {{0.006, 0.0, 60, 0}}, {1e-6, 0.0}, 1);
+  const Identification found = identify(log, task_of());
+  const FittedFilter& best = found.fits.front();
+  EXPECT_EQ(best.filter.lengths, std::vector<int>{22});
+  const auto is_zv = [](const FittedFilter& fit, int length) {
+    return fit.family == SettingFamily::shaper && fit.filter.lengths == std::vector<int>{length} &&
+           fit.filter.pairs == 1 && fit.filter.pair_delay == 11.0;
+  };
+  EXPECT_TRUE(std::ranges::any_of(best.aliases, [&](const FittedFilter& fit) { return is_zv(fit, 11); }));
+  EXPECT_TRUE(std::ranges::none_of(found.fits, [&](const FittedFilter& fit) { return is_zv(fit, 11); }));
+  const auto other = std::ranges::find_if(found.fits, [&](const FittedFilter& fit) { return is_zv(fit, 60); });
+  ASSERT_NE(other, found.fits.end());
+  EXPECT_NEAR(other->sigmas, 0.0, 0.05);
+  EXPECT_LT(other->likelihood, 0.1 * best.likelihood);
+  const FittedFilter* exchanged = listed(found, {60});
+  ASSERT_NE(exchanged, nullptr);
+  EXPECT_NEAR(exchanged->likelihood, best.likelihood, 1e-3);
+}
+
 /// 15 samples and 0.4 of one: no average has that length, so the log tells the move from the averages.
 TEST(IdentifyReadings, AShortMoveWithAShorterLastStep) {
   const std::vector<Leg> legs{{0.0045, 0.0, 15, 0}, {0.00012, 0.0, 1, 0}};

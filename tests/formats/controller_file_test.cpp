@@ -127,6 +127,20 @@ TEST(Controllers, KeysOfTheTaskOverride) {
             2U);
 }
 
+/// A maker's list begins with 0, which is off. A stage is off without it, too.
+TEST(Controllers, ASetMayHaveOff) {
+  const std::string family = "family = \"averages\"\nstages = 2\n";
+  const ControllerSettings listed = settings_in(task_text("", family + "length_set_ms = [4, 0, 2]"));
+  EXPECT_THAT(listed.stages[1].length_set, ElementsAre(0.002, 0.004));
+  EXPECT_THAT(settings_in(task_text("", family + "length_set_2_ms = [0, 2]")).stages[1].length_set, ElementsAre(0.002));
+  EXPECT_THAT(refusal(task_text("", family + "length_set_2_ms = [0]")),
+              StartsWith("task.toml:5:19: `length_set_2_ms` = 0 turns stage 2 off; allowed is a smaller number"));
+  const std::string times = "length_step_ms = 0.5\nlength_max_ms = 20";
+  std::string mine = own;
+  mine.replace(mine.find(times), times.size(), "length_set_ms = [0]");
+  EXPECT_THROW(parse_controller(mine, "mine.toml"), InputError);
+}
+
 TEST(Controllers, AFileOfOnesOwnLiesBesideTheTask) {
   const TemporaryFolder folder;
   folder.write("mine.toml", own);

@@ -65,6 +65,16 @@ TEST(ResultText, SaysWhatIsNotConsidered) {
               HasSubstr("ignored     following error and feedforward of the servo, thermal rating of the drives\n"));
 }
 
+// A corner says nothing about the mean over a program.
+TEST(ResultText, SaysWhoJudgesTheRating) {
+  const DesignResult result = evaluate_task(parse_task(
+      "sample_period_ms = 1\n[filter]\nkind = \"boxcar\"\norder = 19\n[[axis]]\nmass_kg = 20\nforce_rms_N = 90\n"
+      "[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 6000\ndelay_samples = 0\n",
+      "task.toml", {.response = Considered::all}));
+  EXPECT_THAT(result_text(result), HasSubstr("thermal rating of the drives (the mean over a whole program, which "
+                                             "`accdec program` judges)"));
+}
+
 // If some axes have a servo, the others are named.
 TEST(ResultText, NamesTheAxesWithoutServo) {
   const DesignResult result = evaluate_task(parse_task(

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -15,6 +16,7 @@
 #include <accdec/plan/along/path_speed.hpp>
 #include <accdec/plan/run/along_plan.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
+#include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
@@ -227,6 +229,44 @@ TEST(MeetingCircles, TakeTheTimesOfBothAndTwoSamples) {
     const double one = time("G2 X0 Y0 I10\n"), two = time("G2 X0 Y0 I10\nG2 X0 Y0 I10\n");
     EXPECT_LE(two, 2.0 * one + 2.0 * T + 1e-9) << jerk;
     EXPECT_GE(two, 2.0 * one - T - 1e-9) << jerk;
+  }
+}
+
+// The time ends where plan fixed begins: nothing that other plans have found is left out.
+TEST(FreeWithoutTime, KeepsMotionsAlongArcs) {
+  const Task task = arc_task(50.0);
+  ProgramFile file;
+  file.path = test::path_of("G21 G90 G64 P0.01 F6000\nG1 X20\nG2 X40 Y0 I10\nG1 X60\nM2\n", task.machine);
+  const ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, {}});
+  const auto along = plan_along(profiles, task, {});
+  ASSERT_TRUE(along);
+  ASSERT_LT(along->result.cycle_time, profiles.cycle_time - 2.0 * T);
+  std::atomic<bool> over = false;
+  ProgramFileOptions options;
+  options.deadline.end_when(over);
+  options.free.progress = [&over](const FreeProgress& progress) { over = over || progress.stage == "plan fixed"; };
+  const ProgramResult free = run_free_plan(file, task, options, {});
+  ASSERT_TRUE(over);
+  expect_verified(free, task);
+  EXPECT_LE(free.cycle_time, along->result.cycle_time + 1e-9);
+}
+
+// A cubic of Bezier is within 2.8e-4 of its radius from a quarter of a circle. At both ends it bends 2.2 % less, by
+// 2 (1 - k)/(3 k^2 R) with k = 0.5522847.
+TEST(SplinesAlong, TakeTheTimeOfTheArcThatTheyAreNear) {
+  for (const double jerk : {unlimited, 50.0}) {
+    const Task task = arc_task(jerk);
+    const auto time = [&](const std::string& move) {
+      const Toolpath path = test::path_of("G21 G90 G61.1 F6000\nG1 X20 Y0\n" + move + "G1 X30 Y40\nM2\n", task.machine);
+      const ProgramResult profiles = plan_profiles_of({"curve", path, task, Feeds::choose, {}});
+      const auto along = plan_along(profiles, task, {});
+      EXPECT_TRUE(along) << move;
+      if (!along) return profiles.cycle_time;
+      expect_verified(along->result, task);
+      return along->result.cycle_time;
+    };
+    const double arc = time("G3 X30 Y10 J10\n");
+    EXPECT_NEAR(time("G5 X30 Y10 I5.522847 J0 P0 Q-5.522847\n"), arc, 0.022 * arc) << jerk;
   }
 }
 

@@ -13,20 +13,20 @@
 #include <gtest/gtest.h>
 
 #include <accdec/plan/along/leg_program.hpp>
-#include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
 
 #include "../program/reference.hpp"
 #include "support/tries.hpp"
+#include "without_clock.hpp"
 
 namespace accdec::shortest_legs_test {
 namespace {
 
-constexpr double T = 1e-3;
+constexpr double T = 1e-3, longer = 4e-3;  // s
 
 /// The longest way from rest to rest in so many samples, m, by Clp: a linear program over the steps along a line.
-/// @param part  of the direction, by axis
-double longest(const std::vector<Axis>& axes, const std::vector<double>& part, double feed, int count) {
+/// @param part  of the direction, by axis  @param T  s, of a sample
+double longest(const std::vector<Axis>& axes, const std::vector<double>& part, double feed, int count, double T) {
   std::vector<CoinBigIndex> start{0};
   std::vector<int> index;
   std::vector<double> value, high;
@@ -73,12 +73,14 @@ double longest(const std::vector<Axis>& axes, const std::vector<double>& part, d
   return -lp.objectiveValue() * unit;
 }
 
-int fewest(const std::vector<Axis>& axes, const std::vector<double>& part, double feed, double length) {
-  int low = 0, high = 1;
-  while (longest(axes, part, feed, high) < length) low = high, high *= 2;
+/// @param T  s, of a sample: longer ones make smaller programs
+int fewest(const std::vector<Axis>& axes, const std::vector<double>& part, double feed, double length, double T) {
+  int low = static_cast<int>(length / (feed * T)), more = 1;
+  while (longest(axes, part, feed, low + more, T) < length) low += more, more *= 2;
+  int high = low + more;
   while (high - low > 1) {
     const int middle = low + (high - low) / 2;
-    (longest(axes, part, feed, middle) < length ? low : high) = middle;
+    (longest(axes, part, feed, middle, T) < length ? low : high) = middle;
   }
   return high;
 }
@@ -100,7 +102,7 @@ int fewest_of_averages(const Axis& axis, double feed, double length) {
 
 ProgramResult free_plan(const std::string& program, const Task& task) {
   const ProgramFile file{"test", test::path_of(program, task.machine)};
-  const ProgramResult result = run_free_plan(file, task, {}, {});
+  const ProgramResult result = test::free_without_clock(file, task);
   EXPECT_TRUE(result.verification.feasible) << result.message << program;
   EXPECT_THAT(verify_program_result(result, task).reasons, testing::IsEmpty()) << program;
   return result;
@@ -108,6 +110,7 @@ ProgramResult free_plan(const std::string& program, const Task& task) {
 
 // The sample at the start is one more than the steps.
 TEST(ShortestLegs, AreTheOptimumOfALinearProgramme) {
+  constexpr double T = longer;
   for (const bool force : {false, true}) {
     Task task;
     task.sample_period = T;
@@ -122,7 +125,7 @@ TEST(ShortestLegs, AreTheOptimumOfALinearProgramme) {
     for (const auto& [x, y] : {std::pair{0.01, 0.0}, {0.3, 0.1}, {5.0, 1.0}, {12.0, 0.0}, {1.0, 12.0}, {30.0, -7.0}}) {
       const std::string program = fmt::format("G21 G90 G61.1 F6000\nG1 X{} Y{}\nM2\n", x, y);
       const double length = std::hypot(x, y);
-      const int least = fewest(task.machine.axes, {x / length, y / length}, 0.1, length * 1e-3 * (1.0 - 1e-7));
+      const int least = fewest(task.machine.axes, {x / length, y / length}, 0.1, length * 1e-3 * (1.0 - 1e-7), T);
       EXPECT_NEAR(free_plan(program, task).cycle_time, (least + 1) * T, 1e-9) << program << force;
     }
   }
@@ -153,20 +156,22 @@ TEST(ShortestLegs, OfRoundFiguresTakeWholeNumbersOfSamples) {
 
 // The end of a leg that uses all of a limit does not bind another axis, whose friction rules the next leg.
 TEST(ShortestLegs, OfOtherAxesFollowAtOnce) {
+  constexpr double T = longer;
   Task task;
   task.sample_period = T;
   task.machine = test::machine_of(1.0, 50.0);
   Axis& y = task.machine.axes[1];
   y.velocity_max = 0.05, y.acceleration_max = 0.3, y.jerk_max = unlimited;
   y.mass = 20.0, y.damping = 200.0, y.force_max = 10.0;
-  const int first = fewest(task.machine.axes, {1.0, 0.0}, 0.1, 0.05 * (1.0 - 1e-7));
-  const int second = fewest(task.machine.axes, {0.0, 1.0}, 0.05, 0.03 * (1.0 - 1e-7));
+  const int first = fewest(task.machine.axes, {1.0, 0.0}, 0.1, 0.05 * (1.0 - 1e-7), T);
+  const int second = fewest(task.machine.axes, {0.0, 1.0}, 0.05, 0.03 * (1.0 - 1e-7), T);
   const ProgramResult result = free_plan("G21 G90 G61.1\nG1 X50 F6000\nG1 Y30 F3000\nM2\n", task);
   EXPECT_NEAR(result.cycle_time, (first + second + 1) * T, 1e-9);
 }
 
 // Legs after one another take at most as many samples more as their differences see of the leg before.
 TEST(ShortestLegs, WithFrictionFollowOneAnother) {
+  constexpr double T = longer;
   std::mt19937 random(9);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < test_support::tries(4); ++i) {
@@ -181,7 +186,7 @@ TEST(ShortestLegs, WithFrictionFollowOneAnother) {
       const std::array<double, 2> to{std::round(1e4 * unit(random)) * 1e-3, std::round(1e4 * unit(random)) * 1e-3};
       const double x = to[0] - at[0], y = to[1] - at[1], length = std::hypot(x, y);
       program += fmt::format("G1 X{:.3f} Y{:.3f}\n", to[0], to[1]);
-      samples += fewest(task.machine.axes, {x / length, y / length}, 0.1, length * 1e-3 * (1.0 - 1e-7));
+      samples += fewest(task.machine.axes, {x / length, y / length}, 0.1, length * 1e-3 * (1.0 - 1e-7), T);
       at = to;
     }
     const int seen = i % 2 == 0 ? 2 : 1;
@@ -201,7 +206,7 @@ TEST(ShortestLegs, MixWithOtherRuns) {
     filter.kind = Shape::trapezoid, filter.order = 100, filter.ramp = 20;
     task.filter = filter;
     std::string program = "G21 G90 F6000\n";
-    for (int b = 0; b < 16; ++b) {
+    for (int b = 0; b < 10; ++b) {
       program += unit(random) < 0.5 ? "G61.1\n" : "G64 P0.1\n";
       program += fmt::format("G1 X{:.3f} Y{:.3f}\n", 10.0 * unit(random), 10.0 * unit(random));
       if (unit(random) < 0.2) program += "G4 P0.02\n";
@@ -209,7 +214,8 @@ TEST(ShortestLegs, MixWithOtherRuns) {
     program += "M2\n";
     const ProgramFile file{"test", test::path_of(program, task.machine)};
     std::string told;
-    const ProgramResult result = run_free_plan(file, task, {}, [&](const std::string& line) { told += line + "\n"; });
+    const ProgramResult result =
+        test::free_without_clock(file, task, [&](const std::string& line) { told += line + "\n"; });
     EXPECT_TRUE(result.verification.feasible) << result.message << program;
     EXPECT_THAT(verify_program_result(result, task).reasons, testing::IsEmpty()) << program;
     EXPECT_THAT(told, testing::Not(testing::HasSubstr("refused"))) << program;

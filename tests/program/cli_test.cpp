@@ -252,6 +252,7 @@ TEST_F(ProgramCommand, FailsWhenTheGivenFilterBreaksABoundThatNoFeedMends) {
   const Output done = run("program part.ngc --task modes.toml");
   EXPECT_EQ(done.code, 1);
   EXPECT_THAT(done.out, HasSubstr("NOT verified: a limit is broken: vibration"));
+  EXPECT_EQ(done.out.find("cycle time"), std::string::npos) << "of a plan that is no answer";
 }
 
 TEST_F(ProgramCommand, DesignsAFilterWhereTheTaskHasNone) {

@@ -328,7 +328,7 @@ TEST_F(PathCommand, ResultsAreVerifiedByOtherFormulas) {
       "\"y\"\nresidual_max_um = 8\n");
   ASSERT_EQ(run("program part.ngc --task path.toml --json r.json --time-limit 10").code, 0)
       << read("err") << read("out");
-  EXPECT_THAT(read("out"), HasSubstr("axes have different servos"));
+  EXPECT_THAT(read("out"), HasSubstr("axes lag differently: the motion leaves straight legs by up to"));
   const auto result = nlohmann::ordered_json::parse(read("r.json"));
   EXPECT_TRUE(result["servo"]["axes_differ"]);
   const std::string joints = result["commands"]["joint"];

@@ -206,6 +206,23 @@ TEST(ProgramServo, CostsTime) {
   EXPECT_NEAR(time(9000.0), ideal, 0.01 * ideal);
 }
 
+/// One move at constant speed behind r_0 = 1 - c, r_k = c (1 - a) a^(k-1), with viscous friction alone. The mean counts
+/// the samples of the move and one at rest, in which the axis still moves.
+TEST(ProgramServo, TheMeanForceIsOverTheProgramsTime) {
+  constexpr double gain = 40.0, v = 0.1, n = 300.0;
+  Task task = servo_task(gain, 0.0);
+  for (Axis& axis : task.machine.axes)
+    axis.acceleration_max = axis.jerk_max = axis.force_max = unlimited, axis.mass = 0;
+  const ProgramResult result =
+      run_program({"part", test::path_of("G1 X30 F6000\nM2\n", task.machine), task}, Filter({1.0}));
+  ASSERT_TRUE(result.verification.feasible) << result.message;
+  ASSERT_EQ(result.check.samples, n + 1);
+  const double a = std::exp(-gain * 1e-3), c = (1.0 - a) / (gain * 1e-3), left = std::pow(a, n);
+  const double squares = n - 2.0 * c * (1.0 - left) / (1.0 - a) + c * c * (1.0 - left * left) / (1.0 - a * a) +
+                         std::pow(c * (1.0 - left), 2);
+  EXPECT_NEAR(result.loads[0].rms, 60.0 * v * std::sqrt(squares / (n + 1)), 1e-9);
+}
+
 class ServoCommand : public ProgramCommand {
  protected:
   /// @param more  keys of the only axis

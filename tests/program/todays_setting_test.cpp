@@ -70,7 +70,7 @@ TEST(ProgramAnswer, NamesTheLimitThatEndedTheSearch) {
   // A plan of today's setting that is faster is not passed over in silence.
   result.today = 9.5;
   EXPECT_THAT(program_settings_answer(result),
-              HasSubstr("Today's setting takes 9.5 s; it is the faster one, keep it."));
+              HasSubstr("Today's setting takes 9.5 s as planned here; it is the faster one, keep it."));
 }
 
 }  // namespace

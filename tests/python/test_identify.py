@@ -44,6 +44,22 @@ def test_a_file_gives_what_the_program_writes(tmp_path):
     assert len(task.taps) == 43
 
 
+def test_units_of_a_file_and_other_names(tmp_path):
+    x = logged(accdec.taps("averages", lengths=[22]), 1e-6)
+    rows = [f"{k},{1e3 * at:.6f}" for k, at in enumerate(x)]
+    (tmp_path / "log.csv").write_text("\n".join(["t,x", *rows, ""]))
+    with pytest.raises(accdec.InputError, match="names no known unit"):
+        accdec.identify(tmp_path / "log.csv", TASK)
+    best = accdec.identify(tmp_path / "log.csv", TASK, units="ms,mm")["fits"][0]
+    assert best["filter"]["lengths"] == [22]
+    zv = {"kind": "averages", "lengths": [11], "shaper": "zv", "shaper_delay": 11}
+    assert {"family": "shaper", "filter": zv} in best["aliases"]
+    with pytest.raises(ValueError, match="no unit of times"):
+        accdec.identify(tmp_path / "log.csv", TASK, units="mm,s")
+    with pytest.raises(ValueError, match="units: belongs to a file"):
+        accdec.identify({"x": x}, TASK, units="ms,mm")
+
+
 def test_a_prefilter_is_all_that_is_found():
     found = accdec.identify({"x": logged(np.array([1, 5, 5, 1]) / 12)}, TASK)
     assert found["fits"][0]["family"] == "taps"

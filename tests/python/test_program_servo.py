@@ -84,6 +84,22 @@ def test_corner_errors_are_those_of_the_loop(tmp_path, seed, gain, feedforward, 
     assert plan.servo["settling"] == pytest.approx(settled, abs=1.001 * T)
 
 
+def test_legs_bend_where_servos_differ(tmp_path):
+    """One move from rest to rest: each axis follows by its own loop, and the program says how far they leave the line."""
+    gains = (60.0, 90.0)
+    axes = [{"name": name, "velocity_max": 0.3, "acceleration_max": 3.0, "jerk_max": 300.0, "servo_gain": gain}
+            for name, gain in zip("xy", gains)]
+    (tmp_path / "part.ngc").write_text("G21 G90 F6000\nG1 X24 Y18\nM2\n")
+    plan = accdec.program(tmp_path / "part.ngc", accdec.Task(sample_period=T, axes=axes, program=True), time_limit=4)
+    assert plan.success, plan.message
+    command = plan.samples()["position"]
+    command = np.vstack([command, np.tile(command[-1], (400, 1))])
+    motion = np.column_stack([loop(column, gain, 0.0) for column, gain in zip(command.T, gains)])
+    off = np.abs(0.6 * motion[:, 0] - 0.8 * motion[:, 1])
+    assert plan.servo["leg_error"] == pytest.approx(off.max(), rel=1e-6)
+    assert plan.servo["leg_line"] == 2
+
+
 def test_loads_and_limits(tmp_path):
     """Force is of the motion, acceleration of the command."""
     text, _ = random_program(7)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -87,6 +88,7 @@ class Planner {
   void free(double seconds) {
     ProgramFileOptions options;
     options.deadline = Deadline(seconds);
+    options.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     ProgramResult best = run_free_plan(file_, task_, options, tell_, std::move(fixed_));
     // If no window gives way, the answer is the plan it began with.
     if (best.plan.trajectory() != nullptr && best.plan.trajectory()->is_free())

@@ -188,7 +188,7 @@ def baselines(task: Task, *, finer: int, time_limit: float,
               progress: Optional[Callable[[str], object]]) -> list[dict[str, Any]]: ...
 
 def identify(task: Task, *, file: str, axes: Sequence[str], positions: Sequence[Sequence[float]],
-             noise: Optional[float], feed: Optional[float],
+             noise: Optional[float], feed: Optional[float], units: str,
              progress: Optional[Callable[[str], object]]) -> dict[str, Any]: ...
 
 class ProblemHandle:

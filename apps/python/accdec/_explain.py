@@ -25,7 +25,7 @@ def explain(task: TaskLike, *, by: float = 0.1, time_limit: float = 300.0, desig
         How much more room to try, a share of every limit, 0 < by < 1.
     time_limit, design_time_limit : float
         s. The first is for all designs: then the answers so far are returned, and `complete` is False. The second is
-        for each design, in processor time.
+        for each design, in processor time. If nothing can be proved, as of servos that differ, all designs share it.
     progress : bool or callable, optional
 
     Returns

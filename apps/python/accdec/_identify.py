@@ -27,7 +27,7 @@ def _positions(log: Mapping[str, npt.ArrayLike]) -> list[list[float]]:
 
 
 def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None,
-             feed: Optional[float] = None) -> dict[str, Any]:
+             feed: Optional[float] = None, units: Optional[str] = None) -> dict[str, Any]:
     """Find the filter behind a logged straight move or corner, from rest to rest.
 
     The feed need not be known; each leg needs a part at constant speed.
@@ -43,13 +43,17 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None,
         m, standard deviation of the positions. Default: what the best fit leaves.
     feed : float, optional
         m/s, the programmed feed of the move, or of the first leg. Default: any that explains the log.
+    units : str, optional
+        Units of times and positions in columns of a file whose names have none, such as "s,mm" for t,x,y.
 
     Returns
     -------
     dict
-        fits: those that fit, the most likely first, each with family, filter (as a task takes it), rms (m), sigmas
-        behind the best, likelihood (0 for taps), time_constant (s, of a pole or an exponential) and second_constant (s,
-        of a second pole in series; 0: none) and moves. These are first sample, samples, first_step and last_step (parts
+        fits: those that fit, each with family, filter (as a task takes it), rms (m), sigmas behind the first (below 0:
+        it fits better), likelihood (a share of those listed, numbers counted; 0 for taps), time_constant (s, of a pole
+        or an exponential) and second_constant (s, of a second pole in series; 0: none), aliases and moves. The first
+        explains the log with the fewest numbers. aliases: family and filter of other names for the same taps; real
+        numbers, which are fitted, make them within 1 %. Moves are first sample, samples, first_step and last_step (parts
         of the others that the first and the last sample move) and way (m) of each leg. taps: any taps, likewise.
         noise (m). rounding (m), the noise that positions have because they are written in steps; 0: a family fits
         exactly. moves: those of the first fit. modelled: positions of the first fit (m), by axis.
@@ -67,6 +71,10 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None,
         noise = arguments.number("noise", noise, "must be a number of metres from 1e-15 to 1", 1e-15, 1.0)
     if feed is not None:
         feed = arguments.number("feed", feed, "must be a number of m/s from 1e-6 to 1000", 1e-6, 1000.0)
+    if units is not None:
+        units = arguments.text("units", units)
+        if isinstance(log, Mapping):
+            raise ValueError("units: belongs to a file; positions by axis are in m")
     axes: list[str] = []
     positions: list[list[float]] = []
     file = ""
@@ -75,4 +83,4 @@ def identify(log: Log, task: TaskLike, *, noise: Optional[float] = None,
     else:
         file = arguments.path("log", log)
     return _core.identify(as_task(task, program=True), file=file, axes=axes, positions=positions, noise=noise,
-                          feed=feed, progress=None)
+                          feed=feed, units=units or "", progress=None)

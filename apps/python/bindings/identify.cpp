@@ -29,6 +29,11 @@ py::dict filter_dict(const FilterSpec& spec) {
   return table;
 }
 
+py::dict alias_dict(const FittedFilter& alias) {
+  return py::dict(py::arg("family") = std::string(to_string(alias.family)),
+                  py::arg("filter") = filter_dict(alias.filter));
+}
+
 py::dict fit_dict(const FittedFilter& fit) {
   const auto move = [](const LoggedMove& m) {
     return py::dict(py::arg("first") = m.first, py::arg("samples") = m.samples, py::arg("first_step") = m.first_step,
@@ -37,7 +42,7 @@ py::dict fit_dict(const FittedFilter& fit) {
   return py::dict(py::arg("family") = std::string(to_string(fit.family)), py::arg("filter") = filter_dict(fit.filter),
                   py::arg("rms") = fit.rms, py::arg("sigmas") = fit.sigmas, py::arg("likelihood") = fit.likelihood,
                   py::arg("time_constant") = fit.time_constant, py::arg("second_constant") = fit.second_constant,
-                  py::arg("moves") = list_of(fit.moves, move));
+                  py::arg("moves") = list_of(fit.moves, move), py::arg("aliases") = list_of(fit.aliases, alias_dict));
 }
 
 py::dict found_dict(const Identification& found, const MotionLog& log) {
@@ -54,9 +59,10 @@ py::dict found_dict(const Identification& found, const MotionLog& log) {
 /// @param file  of a log; empty: `axes` and `positions` are the log
 py::dict identify_log(const std::shared_ptr<Task>& task, const std::string& file, const std::vector<std::string>& axes,
                       const std::vector<std::vector<double>>& positions, std::optional<double> noise,
-                      std::optional<double> feed, const py::object& progress) {
+                      std::optional<double> feed, const std::string& units, const py::object& progress) {
   MotionLog log{axes, positions};
-  if (!file.empty()) log = read_motion_log(file, task->sample_period);
+  const ColumnUnits of_columns = units.empty() ? ColumnUnits{} : column_units(units);
+  if (!file.empty()) log = read_motion_log(file, task->sample_period, of_columns);
   const auto found = std::make_shared<Identification>();
   run_interruptibly(
       [=](const Work&) {
@@ -73,7 +79,7 @@ py::dict identify_log(const std::shared_ptr<Task>& task, const std::string& file
 
 void bind_identify(py::module_& module) {
   module.def("identify", &identify_log, py::arg("task"), py::kw_only(), py::arg("file"), py::arg("axes"),
-             py::arg("positions"), py::arg("noise"), py::arg("feed"), py::arg("progress"));
+             py::arg("positions"), py::arg("noise"), py::arg("feed"), py::arg("units"), py::arg("progress"));
 }
 
 }  // namespace accdec::python

@@ -153,9 +153,10 @@ py::object settings(const Program& r) {
 /// None without a servo.
 py::object servo(const Program& r) {
   if (!r.servo) return py::none();
-  return py::dict(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
-                  py::arg("stop_error") = r.servo->stop_error,
-                  py::arg("axes_differ") = r.plan.command()->moved.size() > 1);
+  py::dict d(py::arg("settling") = r.servo->settling, py::arg("within") = r.servo->within,
+             py::arg("stop_error") = r.servo->stop_error, py::arg("axes_differ") = r.plan.command()->moved.size() > 1);
+  if (r.servo->legs) d["leg_error"] = r.servo->legs->error, d["leg_line"] = r.servo->legs->line;
+  return d;
 }
 
 constexpr const char* no_plan = "there is no plan: ";
@@ -262,7 +263,8 @@ today : float or None
 servo : dict or None
     None without a servo. settling (s, from the end of the command until the motion is within `within` of its end),
     within (m), stop_error (m, the largest at stops, where the control waits for the command). Errors are the motion's.
-    axes_differ: whether axes have different servos, behind which straight legs bend.
+    axes_differ: whether axes have different servos, behind which straight legs bend. Then also leg_error (m, the
+    largest distance of the motion from the line of a leg) and leg_line (of the program).
 )";
 
 constexpr const char* json_doc = "to_json(self)\n--\n\nThe text of a result file, as the command line's --json.";

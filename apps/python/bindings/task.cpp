@@ -191,7 +191,8 @@ family : str or list of str, optional
     cutoff_step (Hz). shaper_frequency_step (Hz): of a control that interpolates; without it impulses are at whole
     samples.
 controller : dict, optional
-    name or file: of a controller, see `accdec controllers`; delays: the kinds of delay that it has; delay_words: what
+    name or file: of a controller, see `accdec controllers`; assumed: facts without a source, which the answer names;
+    delays: the kinds of delay that it has; delay_words: what
     a program says for each of them;
     in_position_of ("command" or "actual"), in_position_by ("path" or "axis") and in_position_latency (s): how it sees
     that it is in-position;

@@ -63,6 +63,7 @@ class Kernels {
       if (axes_.empty() || work > work_left) continue;
       work_left -= work;
       for (const double m : kernel_multipliers) {
+        if (!more()) return largest;
         make_steps(values, m);
         largest = std::max(largest, time(static_cast<std::size_t>(states + 0.5), m, more));
       }

@@ -16,7 +16,7 @@ namespace accdec {
 /// acceleration and jerk limit all the time", derives it.
 /// @param wider  m, added to all tolerances
 /// @param work_left  steps of the search, some 3 ns each: grids are as fine as this allows. Lowered by those taken
-/// @param more  whether there is time left; asked at every joint
+/// @param more  whether there is time left; asked before every grid and at every joint
 double kernel_bound(const Toolpath& path, const Machine& machine, double wider, std::size_t first, std::size_t last,
                     double& work_left, const std::function<bool()>& more);
 

@@ -54,7 +54,7 @@ class Anytime {
     // Shares of the time limit, tried on the shipped and random tasks. The proof of a single corner is usually short,
     // and otherwise other methods add little. With several corners, or limits that are not convex, a good design
     // shortens the proof that continues from it.
-    coarse(convex ? 0.05 : 0.2);
+    coarse(0.2);  // of filters of many taps only
     exact(several ? 0.2 : convex ? 0.9 : 0.3);
     if (settled() || close_enough()) return *exact_;
     if (!has_bound() && !(convex && task_.machine.modes.empty())) bound_of_part(easier_part(task_), 0.1);

@@ -49,8 +49,9 @@ Eigen::MatrixXd decaying_waves(const std::vector<Decay>& poles, Eigen::Index row
     const double turn = w * std::sqrt(1.0 - pole.damping * pole.damping), fall = std::exp(-pole.damping * w);
     const double c = fall * std::cos(turn), s = fall * std::sin(turn);
     double x = 1.0, y = 0.0;
+    double *cosine = basis.col(column).data(), *sine = basis.col(column + 1).data();
     for (Eigen::Index k = 0; k < rows; ++k) {
-      basis(k, column) = x, basis(k, column + 1) = y;
+      cosine[k] = x, sine[k] = y;
       const double before = x;
       x = c * x - s * y, y = s * before + c * y;
       if (std::abs(x) + std::abs(y) < 1e-30) x = y = 0.0;

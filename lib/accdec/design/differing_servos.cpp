@@ -67,15 +67,17 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
   const auto left = [&] { return options.time_limit - seconds_since(began); };
   const auto stopped = [&] { return left() <= 0.0 || (options.cancel != nullptr && options.cancel->load()); };
   BestOf designs(task);
+  // A gap this wide asks only whether there is a design.
+  const auto enough = [&] { return stopped() || (options.exact.gap > 0.9 && designs.best().has_design()); };
   const std::size_t axes = task.machine.axes.size();
-  for (std::size_t a = 0; a < axes && !stopped(); ++a) {
+  for (std::size_t a = 0; a < axes && !enough(); ++a) {
     DesignOptions part = options;
     part.exact.certificate = false;
     part.time_limit = left() / (static_cast<double>(axes - a) + 2.0);
     designs.offer(design_task(with_servo_of(task, a), part), left(), options.cancel);
   }
   // Nonlinear solvers know every axis' own servo.
-  if (!stopped()) {
+  if (!enough()) {
     DesignOptions local = options;
     local.method = Method::nlp, local.time_limit = 0.8 * left();
     try {

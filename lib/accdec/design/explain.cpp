@@ -7,6 +7,7 @@
 
 #include <accdec/design.hpp>
 #include <accdec/design/explain_solve.hpp>
+#include <accdec/machine/response.hpp>
 
 namespace accdec {
 namespace {
@@ -58,14 +59,14 @@ class GainSearch {
     return most;
   }
 
-  /// More room for some limits that was proved to gain nothing.
+  /// More room for some limits that was proved to gain nothing; where nothing is proved, that gained nothing.
   struct WithoutGain {
     std::set<std::string> levers;  ///< by their names
     double at_most = 0.0;          ///< s
   };
 
-  /// More room for a larger set of limits that was proved to gain nothing. Then this set gains nothing either, because
-  /// a design that holds with less room also holds with more.
+  /// More room for a larger set of limits that gained nothing. If that is proved, this set gains nothing either,
+  /// because a design that holds with less room also holds with more.
   const WithoutGain* superset_without_gain(const Room& room) const {
     for (const WithoutGain& larger : without_gain_) {
       if (std::all_of(room.levers.begin(), room.levers.end(),
@@ -99,7 +100,7 @@ class GainSearch {
     gain.gain = base.objective() - gain.objective;
     gain.order = best->filter->order();
     for (const CornerResult& corner : best->corners) gain.delays.push_back(corner.delay);
-    if (gain.solved && gain.gain == 0.0 && gain.proved()) {
+    if (gain.solved && gain.gain == 0.0 && (gain.proved() || out_.shared > 0.0)) {
       WithoutGain& without = without_gain_.emplace_back(WithoutGain{{}, gain.at_most});
       for (const Lever& lever : room.levers) without.levers.insert(lever.name);
     }
@@ -121,7 +122,8 @@ Explanation explain_task(const Task& task, const ExplainOptions& options) {
     throw std::invalid_argument("the share of more room must be between 0 and 1");
   Explanation explanation;
   explanation.share = options.share;
-  ExplainSolver solve(options, explanation);
+  const bool unproved = !task.filter && !task.settings && !Response(task.machine, task.sample_period).common();
+  ExplainSolver solve(options, explanation, unproved);
   Solved base = solve(task);
   explanation.base = std::move(base.result);
   if (base.designed) {

@@ -28,8 +28,15 @@ inline double slowdown(double wall_seconds, double processor_seconds) {
 
 class ExplainSolver {
  public:
-  ExplainSolver(const ExplainOptions& options, Explanation& explanation)
-      : options_(options), explanation_(explanation) {}
+  /// @param shared  all designs together have the time limit of one, because nothing can be proved of them: each of
+  /// them would search until its time is over
+  ExplainSolver(const ExplainOptions& options, Explanation& explanation, bool shared = false)
+      : options_(options),
+        explanation_(explanation),
+        time_limit_(shared ? std::min(options.time_limit, options.design.time_limit) : options.time_limit),
+        of_each_(shared ? first_share * time_limit_ : options.design.time_limit) {
+    if (shared) explanation_.shared = time_limit_;
+  }
 
   /// @param any  stop at the first design: only its existence is asked, not how short it is
   Solved operator()(const Task& task, bool any = false) {
@@ -37,6 +44,10 @@ class ExplainSolver {
     ++explanation_.solves;
     DesignOptions design = options_.design;
     design.progress = nullptr;
+    constexpr double least = 0.3;  // s: in less, a local search finds nothing
+    if (explanation_.shared > 0.0 && total_ > 0)
+      of_each_ = std::max(least, left() / std::max(1, total_ - explanation_.solves + 1));
+    design.time_limit = of_each_;
     if (any) design.exact.gap = 0.999;
     Solved solved;
     solved.result = designed(task, design);
@@ -68,22 +79,25 @@ class ExplainSolver {
   DesignResult designed(const Task& task, DesignOptions design) {
     const double limit = design.time_limit;
     for (bool again = false;; again = true) {
-      design.time_limit = std::max(1e-3, std::min(limit * slowdown_, left()));
+      const bool alone = explanation_.shared == 0.0;
+      design.time_limit = std::max(1e-3, std::min(alone ? limit * slowdown_ : limit, left()));
       const std::clock_t processor = std::clock();
       const Clock::time_point began = Clock::now();
       DesignResult result = design_task(task, design);
       const double used = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
       slowdown_ = slowdown(std::chrono::duration<double>(Clock::now() - began).count(), used);
-      const bool cut_short = result.stop == StopReason::time_limit && used < 0.9 * limit;
+      const bool cut_short = alone && result.stop == StopReason::time_limit && used < 0.9 * limit;
       if (!cut_short || again || cancelled()) return result;
     }
   }
 
   int done() const { return explanation_.solves + 1; }
-  double left() const { return options_.time_limit - seconds_since(began_); }
+  double left() const { return time_limit_ - seconds_since(began_); }
 
+  static constexpr double first_share = 0.25;  // for the task as it is
   const ExplainOptions& options_;
   Explanation& explanation_;
+  double time_limit_, of_each_;  // s
   int total_ = 0;
   double slowdown_ = 1.0;
   Clock::time_point began_ = Clock::now();

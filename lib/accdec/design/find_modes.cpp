@@ -19,6 +19,7 @@ namespace {
 
 constexpr int parts = 4;              // of a log that are compared
 constexpr double damping_most = 0.4;  // more is no peak that a filter should avoid
+constexpr double slow_log = 0.01;     // s: of a sensor, whose time was likely in other units
 
 /// A mode, and its power.
 struct Weighed {
@@ -156,13 +157,18 @@ std::vector<FoundMode> with_doubts(std::vector<FoundMode> modes) {
 }  // namespace
 
 std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options) {
+  if (options.frequency_min >= options.frequency_max)
+    throw std::invalid_argument(
+        fmt::format("the band from {:.4g} to {:.4g} Hz is reversed; allowed is a lowest frequency below the highest",
+                    options.frequency_min, options.frequency_max));
   FindModesOptions used = options;
   used.frequency_max = std::min(options.frequency_max, 0.3 / log.period);
   if (!(used.frequency_min > 0.0 && used.frequency_max > 2.0 * used.frequency_min)) {
-    throw std::invalid_argument(
-        fmt::format("modes from {:.4g} to {:.4g} Hz cannot be told apart at {:.4g} samples a second; allowed is a band "
-                    "of at least an octave, up to 0.3 of the sample rate",
-                    used.frequency_min, used.frequency_max, 1.0 / log.period));
+    throw std::invalid_argument(fmt::format(
+        "modes from {:.4g} to {:.4g} Hz cannot be told apart at {:.4g} samples a second; allowed is a band "
+        "of at least an octave, up to 0.3 of the sample rate{}",
+        used.frequency_min, used.frequency_max, 1.0 / log.period,
+        log.period > slow_log ? ". A column t counts seconds; columns of ms and us are t_ms and t_us" : ""));
   }
   const double seconds = log.period * static_cast<double>(log.samples()), needed = 10.0 / used.frequency_min;
   if (seconds < needed) {

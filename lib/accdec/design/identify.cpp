@@ -9,6 +9,7 @@
 #include <accdec/design/fit_window.hpp>
 #include <accdec/design/fitted_families.hpp>
 #include <accdec/design/identify.hpp>
+#include <accdec/design/likely_fits.hpp>
 #include <accdec/families/poles.hpp>
 
 namespace accdec {
@@ -18,16 +19,12 @@ namespace {
 constexpr double noise_more = 1.33;
 /// Part of a sample's way that a fit may leave.
 constexpr double unexplained = 0.1;
-constexpr double noise_least = 1e-12;   // m; rounding
-constexpr double exact_part = 0.01;     // of the log's rounding; a fit that leaves less has no part of it
-constexpr double sure = 20.0;           // of a logarithm of likelihoods, twice
-constexpr double rare = 3.0;            // the same, of commands that begin or end between samples: one in five
-constexpr double longest_first = 1e-3;  // the same; of readings that fit alike, the longest move stands first
+constexpr double noise_least = 1e-12;  // m; rounding
+constexpr double exact_part = 0.01;    // of the log's rounding; a fit that leaves less has no part of it
+constexpr double sure = 20.0;          // of a logarithm of likelihoods, twice
 /// Part of a sample's way that a family may leave more than free taps: smoothing that was measured is as exact.
 constexpr double model_part = 1e-4;
-constexpr double faster = 1.05;   // a move faster by this factor than the log's constant speed is another reading
-constexpr long least_free = 10;   // values more than numbers to fit
-constexpr double fastest = 20.0;  // m/s; no axis of a machine tool comes near it
+constexpr long least_free = 10;  // values more than numbers to fit
 
 void require_believable(const Task& task, double step) {
   for (const Axis& axis : task.machine.axes) {
@@ -37,76 +34,14 @@ void require_believable(const Task& task, double step) {
           "is found is filter and servo together");
   }
   const double feed = step / task.sample_period;
-  if (feed > fastest)
+  if (feed > fastest_move)
     throw std::invalid_argument(
         fmt::format("the log moves at {:.4g} m/s; allowed are {:g} m/s: are the units of the "
                     "positions right?",
-                    feed, fastest));
+                    feed, fastest_move));
 }
 
 constexpr std::array all_ends{Ends::whole, Ends::between, Ends::last, Ends::both};
-
-double norm(const std::vector<double>& way) {
-  double sum = 0.0;
-  for (const double w : way) sum = std::hypot(sum, w);
-  return sum;
-}
-
-bool same_taps(const Filter& a, const Filter& b) {
-  return std::ranges::equal(a.taps(), b.taps(), [](double x, double y) { return std::abs(x - y) < 1e-6; });
-}
-
-std::vector<LoggedMove> moves_of(const CommandFit& fit) {
-  std::vector<LoggedMove> moves;
-  for (std::size_t leg = 0; leg < fit.first.size(); ++leg) {
-    const auto column = static_cast<Eigen::Index>(leg);
-    LoggedMove move{.first = fit.first[leg], .samples = fit.count[leg]};
-    double first = 0.0, last = 0.0;  // parts of steps beside the full ones
-    if (fit.ends == Ends::last) last = fit.parts(0, column);
-    if (fit.ends == Ends::both) first = fit.parts(0, column), last = fit.parts(1, column);
-    if (fit.ends == Ends::between && fit.parts(0, column) > 0.0)
-      last = fit.parts(0, column), first = 1.0 - last, --move.samples, ++move.first;
-    const Eigen::VectorXd step = fit.coefficients.row(column + 1) / fit.count[leg];
-    const Eigen::VectorXd way = (move.samples + first + last) * step;
-    if (first > 0.0) move.first_step = first, ++move.samples, --move.first;
-    if (last > 0.0) move.last_step = last, ++move.samples;
-    move.way.assign(way.data(), way.data() + way.size());
-    moves.push_back(std::move(move));
-  }
-  return moves;
-}
-
-class PossibleMoves {
- public:
-  PossibleMoves(const MotionLog& log, const Task& task, std::optional<double> feed, double step)
-      : log_(log), task_(task), feed_(feed), step_(step) {}
-
-  /// Whether the control may have moved so fast.
-  bool operator()(const std::vector<LoggedMove>& moves) const {
-    if (feed_) {
-      const double way = norm(moves.front().way), length = way / moves.front().feed(task_.sample_period);
-      if (std::abs(length - way / *feed_) > task_.sample_period) return false;
-    }
-    for (const LoggedMove& move : moves) {
-      const double feed = move.feed(task_.sample_period);
-      if (feed <= faster * step_ / task_.sample_period) continue;
-      if (feed > fastest) return false;
-      for (std::size_t a = 0; a < log_.axes.size(); ++a) {
-        for (const Axis& axis : task_.machine.axes) {
-          const bool same = axis.name == log_.axes[a] || task_.machine.axes.size() == 1;
-          if (same && feed * std::abs(move.way[a]) > faster * axis.velocity_max * norm(move.way)) return false;
-        }
-      }
-    }
-    return true;
-  }
-
- private:
-  const MotionLog& log_;
-  const Task& task_;
-  std::optional<double> feed_;  // m/s
-  double step_;                 // m
-};
 
 void sort_by_squares(std::vector<FamilyFit>& fits) {
   std::stable_sort(fits.begin(), fits.end(),
@@ -135,7 +70,7 @@ class Identifier {
         // The noise, and cascades that begin slowly, hide where a ramp begins and ends.
         order_max_(std::min(task.design.order_max, command_.longest_ramp * 8 / 5 + 10)),
         window_(log, command_, order_max_, task.machine.prefilter_taps),
-        possible_(log, task, options.feed, command_.step) {}
+        list_(log, task, options, command_, window_) {}
 
   Identification run() {
     require_believable(task_, command_.step);
@@ -266,51 +201,11 @@ class Identifier {
       result.noise = std::max(options_.noise.value_or(taps_rms()), least_noise());
     } else {
       result.noise = std::max(options_.noise.value_or(best), least_noise());
-      result.fits = likely(result.noise);
+      LikelyFits likely = list_.likely(std::move(all_), result.noise);
+      result.fits = std::move(likely.fits), best_fit_ = std::move(likely.first);
     }
     result.modelled = window_.model(make_filter(result.fits.front().filter), best_fit_);
     return result;
-  }
-
-  /// More numbers must explain more: each counts as much as its part of the Bayesian criterion.
-  std::vector<FittedFilter> likely(double noise) {
-    const double size = std::log(static_cast<double>(window_.values()));
-    const auto cost = [&](const FamilyFit& c) {
-      const Ends ends = c.reading.ends;
-      const int numbers = c.fitted.parameters + numbers_of(ends, static_cast<int>(command_.legs.size()));
-      return c.squares / (noise * noise) + numbers * size + (ends == Ends::whole ? 0.0 : rare) +
-             (c.reading.samples > 0 ? longest_first : 0.0);
-    };
-    std::stable_sort(all_.begin(), all_.end(),
-                     [&](const FamilyFit& a, const FamilyFit& b) { return cost(a) < cost(b); });
-    const double all_least = cost(all_.front());
-    double least = all_least, sum = 0.0;
-    std::vector<FittedFilter> fits;
-    std::vector<Filter> filters;
-    for (FamilyFit& c : all_) {
-      // A feed that no good fit has is not that of the log.
-      if (cost(c) - all_least > options_.sigmas * options_.sigmas) break;
-      // Two families can say the same: an average of 12 with impulses 12 samples apart is one of 24.
-      const Filter filter = make_filter(c.fitted.filter);
-      if (std::ranges::any_of(filters, [&](const Filter& other) { return same_taps(filter, other); })) continue;
-      const CommandFit fit = window_.fit(filter, c.reading.samples > 0 ? 1 : 2, c.reading);
-      c.fitted.moves = moves_of(fit);
-      if (!possible_(c.fitted.moves)) continue;
-      if (fits.empty()) least = cost(c), best_fit_ = fit;
-      const double worse = cost(c) - least;
-      filters.push_back(filter);
-      c.fitted.sigmas = std::sqrt(worse);
-      c.fitted.likelihood = std::exp(-0.5 * worse);
-      c.fitted.rms = window_.figure(filter, fit, c.fitted.parameters);
-      sum += c.fitted.likelihood;
-      fits.push_back(c.fitted);
-    }
-    if (fits.empty())
-      throw std::invalid_argument(fmt::format(
-          "no move at the given feed of {:.6g} mm/min explains the log; its constant speed is {:.6g} mm/min",
-          6e4 * options_.feed.value_or(0.0), 6e4 * command_.step / task_.sample_period));
-    for (FittedFilter& fit : fits) fit.likelihood /= sum;
-    return fits;
   }
 
   const Task& task_;
@@ -318,17 +213,13 @@ class Identifier {
   LoggedCommand command_;
   int order_max_;
   FitWindow window_;
-  PossibleMoves possible_;
+  FitList list_;
   std::vector<FamilyFit> all_;
   FittedTaps taps_;
   CommandFit best_fit_;
 };
 
 }  // namespace
-
-double LoggedMove::feed(double period) const {
-  return norm(way) / ((samples - 2.0 + first_step + last_step) * period);
-}
 
 double delay_between(const LoggedMove& in, const LoggedMove& out) {
   // With a short first step the log has another clock; its last step is then no whole sample of the control.

@@ -26,18 +26,19 @@ double delay_between(const LoggedMove& in, const LoggedMove& out);
 struct FittedFilter {
   SettingFamily family = SettingFamily::averages;
   FilterSpec filter{};
-  int parameters = 1;            ///< numbers that were fitted: stages, 0 if there is no filter, 1 for a pole, taps ..
-  double rms = 0.0;              ///< m, of the differences between log and fit in the samples in which the filter acts
-  double sigmas = 0.0;           ///< by how many standard deviations of the noise the best fits better
-  double likelihood = 0.0;       ///< share among all members that were looked at, 0 .. 1; 0 for taps
-  double time_constant = 0.0;    ///< s, of a pole or a finite exponential
-  double second_constant = 0.0;  ///< s, of a second pole in series; 0: there is none
-  std::vector<LoggedMove> moves{};  ///< one, or both legs of a corner
+  int parameters = 1;       ///< numbers that were fitted: stages, 0 if there is no filter, 1 for a pole, taps ..
+  double rms = 0.0;         ///< m, of the differences between log and fit in the samples in which the filter acts
+  double sigmas = 0.0;      ///< by how many standard deviations of the noise the first fits better; < 0: this one does
+  double likelihood = 0.0;  ///< a share among the fits listed, by the Bayesian criterion, 0 .. 1; 0 for taps
+  double time_constant = 0.0;           ///< s, of a pole or a finite exponential
+  double second_constant = 0.0;         ///< s, of a second pole in series; 0: there is none
+  std::vector<LoggedMove> moves{};      ///< one, or both legs of a corner
+  std::vector<FittedFilter> aliases{};  ///< the same filter by other names; only names and numbers
 };
 
 /// The answer to a log: the filters that its motion may have passed.
 struct Identification {
-  std::vector<FittedFilter> fits;  ///< those that fit, the most likely first; never empty
+  std::vector<FittedFilter> fits;  ///< those that fit; never empty. The first explains the log with the fewest numbers
   FittedFilter taps;               ///< any taps, as good as the log shows them
   double noise = 0.0;              ///< m, standard deviation, as given or found; mean of the axes that move, as below
   double log_noise = 0.0;          ///< m, as the log shows it at rest and at constant speed
@@ -48,7 +49,7 @@ struct Identification {
 /// Options of `identify`.
 struct IdentifyOptions {
   std::optional<double> noise{};  ///< m, of every axis; none: that of the best fit, each axis by its own in the log
-  double sigmas = 4.0;            ///< fits this much worse than the best are left out
+  double sigmas = 4.0;            ///< fits this much worse than the first, numbers included, are left out
   std::optional<double> feed{};   ///< m/s, of the first leg; none: any
 };
 
@@ -60,13 +61,14 @@ struct IdentifyOptions {
 /// task's largest velocities allow. All families of settings are looked at, whatever the task names. They are one to
 /// three averages of every length, one or two endless poles, finite exponentials, Gaussians, windowed sincs, and up to
 /// two averages with the impulses of a shaper. Impulses between samples are looked at if nothing else fits. Every
-/// number that a family has more must explain more; which shaper it is counts as one. Exponentials, Gaussians and sincs
-/// have 8 taps or more: shorter filters fit too many families. Taps are the answer if they fit better than chance
-/// explains. They are also if the best family leaves far more than the noise, as the log shows it at rest and at
-/// constant speed. Two poles that differ mostly end so. Positions that are all multiples of 1, 2 or 5 times a power of
-/// ten are rounded: step / sqrt(12) is the least noise then, unless a family fits exactly. An axis counts by its noise,
-/// as the log shows it; one that rests does not count. The task's `prefilter_taps` stand behind every filter: what is
-/// found is the filter in front of them.
+/// number that a family has more must explain more, or another fit stands first; which shaper it is counts as one.
+/// Likelihoods count numbers in the same way, standard deviations do not. Members with the same taps are one fit.
+/// Exponentials, Gaussians and sincs have 8 taps or more: shorter filters fit too many families. Taps are the answer if
+/// they fit better than chance explains. They are also if the best family leaves far more than the noise, as the log
+/// shows it at rest and at constant speed. Two poles that differ mostly end so. Positions that are all multiples of 1,
+/// 2 or 5 times a power of ten are rounded: step / sqrt(12) is the least noise then, unless a family fits exactly. An
+/// axis counts by its noise, as the log shows it; one that rests does not count. The task's `prefilter_taps` stand
+/// behind every filter: what is found is the filter in front of them.
 /// @param task  its sample period is that of the log; its largest order bounds the filters; without servos
 /// @throws std::invalid_argument if the log does not begin and end at rest, if no part of a leg has a constant speed,
 ///         if it has too few samples for its filter, or if it moves faster than any machine

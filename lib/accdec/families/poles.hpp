@@ -3,11 +3,9 @@
 #include <vector>
 
 #include <accdec/filter.hpp>
+#include <accdec/task/pole_rest.hpp>
 
 namespace accdec {
-
-/// The part of the step of endless poles at which they are cut off.
-inline constexpr double pole_rest = 1e-4;
 
 /// The order of endless exponentials in series, cut off where the rest of their step is at most `pole_rest`.
 /// @param constants  time constants, samples, > 0, at least one  @param order_max  longer ones end as order_max + 1

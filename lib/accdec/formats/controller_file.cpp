@@ -102,6 +102,7 @@ FileKind make_controller_file() {
        .meaning = "what could not be found; nothing is printed as a fact without a source",
        .example = "[\"largest time\"]",
        .long_text = true},
+      as_in_tasks(controller_keys(), "assumed", "what no source says and answers rely on; they name it", ""),
       {.name = "stage",
        .type = KeyType::tables,
        .meaning = "a time that it takes, in the order of the filter; 1 to 3",
@@ -129,6 +130,8 @@ ControllerStage read_stage(const Table& table) {
   stage.length_max_samples = table.integer("length_max_samples").value_or(0);
   stage.time.length_set = table.numbers("length_set_ms");
   std::sort(stage.time.length_set.begin(), stage.time.length_set.end());
+  if (std::erase(stage.time.length_set, 0.0) > 0 && stage.time.length_set.empty())
+    table.fail_at("length_set_ms", "`length_set_ms` = 0 leaves the filter off; leave out this [[stage]]");
   for (const std::string_view key : {"length_step_ms", "length_max_ms", "length_max_samples"}) {
     if (table.has(key) && !stage.time.length_set.empty())
       table.fail_at(key, fmt::format("`{}` and `length_set_ms` are both given; allowed is either the set of all times, "
@@ -169,6 +172,7 @@ Controller read_controller(const Table& top, std::string name) {
   controller.in_position_latency = top.number("in_position_latency_ms").value_or(0.0);
   controller.corner_feed_step = top.number("corner_feed_step").value_or(controller.corner_feed_step);
   controller.unknown = top.texts("unknown");
+  controller.assumed = top.texts("assumed");
   controller.time_constant_step = top.number("time_constant_step_ms").value_or(0.0);
   controller.alpha_step = top.number("alpha_step").value_or(0.0);
   controller.cutoff_step = top.number("cutoff_step_Hz").value_or(0.0);
@@ -294,6 +298,7 @@ ControllerSettings settings_of(const Controller& controller, double period) {
   settings.shaper_frequency_step = controller.shaper_frequency_step;
   settings.delays = controller.delays, settings.delay_words = controller.delay_words;
   settings.dialect = controller.dialect, settings.from_file = true;
+  settings.assumed = controller.assumed;
   settings.corner_feed_step = controller.corner_feed_step;
   settings.in_position_actual = controller.in_position_actual;
   settings.in_position_by_axis = controller.in_position_by_axis;

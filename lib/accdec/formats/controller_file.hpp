@@ -43,6 +43,7 @@ struct Controller {
   double in_position_latency = 0.0;               ///< s
   double corner_feed_step = 0.05;
   std::vector<std::string> unknown;  ///< what could not be found
+  std::vector<std::string> assumed;  ///< in its place
   std::vector<ControllerSource> sources;
 };
 

@@ -181,6 +181,11 @@ ExplanationWords explanation_words(const Explanation& e) {
   if (e.base.task.corners.size() > corners_apart_max)
     words.notes.push_back(fmt::format("Each of more than {} corners by itself was not asked about, only all together.",
                                       corners_apart_max));
+  if (e.shared > 0.0)
+    words.notes.push_back(
+        fmt::format("Nothing can be proved here, so all designs together had {:.3g} s: more may be saved. A longer "
+                    "--design-time-limit and --time-limit search longer.",
+                    e.shared));
   if (!e.complete) words.notes.emplace_back("Stopped early: changes that are not listed were not tried.");
   words.notes.push_back(fmt::format("Ignored: {}.", not_considered_text(e.base.task.machine)));
   return words;

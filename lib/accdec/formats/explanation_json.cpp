@@ -96,6 +96,7 @@ std::string explanation_to_json(const Explanation& e) {
     for (const Remedy& r : e.remedies) json["remedies"].push_back(remedy_json(r));
   }
   json["solves"] = e.solves;
+  if (e.shared > 0.0) json["designs_shared_s"] = e.shared;
   json["complete"] = e.complete;
   return json.dump(2) + "\n";
 }

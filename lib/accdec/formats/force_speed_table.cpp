@@ -48,7 +48,9 @@ void check_drive(const Table& table, const Axis& axis) {
 Key force_speed_of_files() {
   return {.name = std::string(force_speed_key),
           .type = KeyType::numbers,
-          .meaning = "largest force by speed, [[mm/s, N], ..]: straight in between, nothing beyond the last",
+          .meaning =
+              "largest force by speed, [[mm/s, N], ..]: straight in between, the first force below its speed, "
+              "nothing beyond the last",
           .unit = "mm/s and N",
           .range = {0.0, 1e8},
           .least = 2,

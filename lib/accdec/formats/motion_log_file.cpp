@@ -208,6 +208,23 @@ std::string moves_in_words(const std::vector<LoggedMove>& moves, double period) 
   return text;
 }
 
+/// Its other names, as a remark of its own; empty: it has none.
+std::string other_names(const FittedFilter& fit, double period) {
+  std::string same, nearly;
+  for (const FittedFilter& alias : fit.aliases) {
+    const bool whole = alias.family == SettingFamily::averages || alias.family == SettingFamily::shaper;
+    std::string& names = whole ? same : nearly;
+    names += (names.empty() ? "" : "; ") + in_words(alias, period);
+  }
+  return (same.empty() ? "" : fmt::format("#   the same filter: {}\n", same)) +
+         (nearly.empty() ? "" : fmt::format("#   to 1 % of its taps the same filter: {}\n", nearly));
+}
+
+/// By how much another fit explains the log less well, or better.
+std::string behind(double sigmas) {
+  return sigmas < 0.0 ? fmt::format("{:.1f} sigma better", -sigmas) : fmt::format("{:.1f} sigma behind", sigmas);
+}
+
 /// The move of a fit, if it is not as long as that of the best.
 std::string other_move(const FittedFilter& fit, const FittedFilter& best, double period) {
   if (fit.moves.empty() || std::abs(fit.moves.front().samples - best.moves.front().samples) <= 2) return "";
@@ -249,14 +266,21 @@ std::string identified_to_toml(const Identification& found, const MotionLog& log
       text += fmt::format("# nor do taps fit well: at rest and at constant speed the log's noise is {:.3g} um\n",
                           1e6 * found.log_noise);
   } else
-    text += fmt::format("# likelihood {:.3g} among all members, at noise of {:.4g} um\n", best.likelihood,
-                        1e6 * found.noise);
+    text +=
+        other_names(best, period) + fmt::format("# likelihood {:.3g} among the fits listed, at noise of {:.4g} um\n",
+                                                best.likelihood, 1e6 * found.noise);
   if (found.rounding > 0.5 * found.noise)
     text += fmt::format("# the positions are rounded, which is noise of {:.4g} um or more\n", 1e6 * found.rounding);
   constexpr std::size_t shown = 20;
-  for (std::size_t i = 1; i < std::min(found.fits.size(), shown); ++i)
-    text += fmt::format("# also fits: {}{}, {:.1f} sigma behind, likelihood {:.3g}\n", in_words(found.fits[i], period),
-                        other_move(found.fits[i], best, period), found.fits[i].sigmas, found.fits[i].likelihood);
+  for (std::size_t i = 1; i < std::min(found.fits.size(), shown); ++i) {
+    const FittedFilter& fit = found.fits[i];
+    text += fmt::format("# also fits: {}{}, {}, likelihood {:.3g}\n", in_words(fit, period),
+                        other_move(fit, best, period), behind(fit.sigmas), fit.likelihood);
+    text += other_names(fit, period);
+  }
+  if (std::ranges::any_of(found.fits, [](const FittedFilter& fit) { return fit.sigmas < 0.0; }))
+    text +=
+        "# the first explains the log with the fewest numbers; sigma is of the log alone, likelihoods count numbers\n";
   const auto other = [&](const FittedFilter& fit) { return !other_move(fit, best, period).empty(); };
   if (std::ranges::any_of(found.fits, other))
     text +=

@@ -75,6 +75,16 @@ std::vector<double> read_response(const Table& table, std::string_view key) {
     table.fail_at(key, fmt::format("`{}` has the sum {:.10g}; allowed is 1, so that the motion ends where the command "
                                    "does",
                                    key, sum));
+  // A servo that overshoots threefold, or first goes the other way by a whole step, is none.
+  constexpr double least = -1.0, most = 3.0;
+  double step = 0.0;
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    step += taps[i];
+    if (step >= least && step <= most) continue;
+    table.fail_at(key, fmt::format("`{}` give a motion of {:.4g} times the velocity {} samples after it is commanded; "
+                                   "allowed are {:g} to {:g} times",
+                                   key, step, i + 1, least, most));
+  }
   return taps;
 }
 

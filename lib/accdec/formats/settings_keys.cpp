@@ -97,6 +97,11 @@ std::vector<Key> about_parameters() {
        .meaning = "heading for people",
        .example = "\"My control\"",
        .long_text = true},
+      {.name = "assumed",
+       .type = KeyType::texts,
+       .meaning = "what no source says of the control and the answer relies on; the answer names it",
+       .example = "[\"times are entered in ms\"]",
+       .long_text = true},
       {.name = "parameters",
        .type = KeyType::texts,
        .meaning = "one a stage: what the control calls its time",
@@ -130,7 +135,7 @@ std::vector<Key> about_parameters() {
        .meaning = "`accdec program` outputs positions as whole numbers of it; of rotary axes in thousandths of a "
                   "degree",
        .unit = "um",
-       .range = {0.0, 1e3, true},
+       .range = {1e-6, 1e3},
        .fallback = "decimals of mm",
        .example = "0.1"}};
 }
@@ -141,7 +146,7 @@ Key set_of_stage(int stage) {
           .type = KeyType::numbers,
           .meaning = fmt::format("the times that stage {} can have, where they differ from the others'", stage),
           .unit = "ms",
-          .range = {0.0, longest_ms, true},
+          .range = {0.0, longest_ms},
           .most = longest_set,
           .example = "[1, 2, 3]",
           .of_period = true};
@@ -177,9 +182,10 @@ std::vector<Key> setting_keys() {
       time_key("length_max_ms", "with a family: longest time; one, or one a stage", "no cap", "32", false),
       {.name = "length_set_ms",
        .type = KeyType::numbers,
-       .meaning = "with a family, instead of step and cap: all times that can be set, multiples of the period",
+       .meaning = "with a family, instead of step and cap: all times that can be set, multiples of the period; off, "
+                  "which is always allowed, may stand among them as 0",
        .unit = "ms",
-       .range = {0.0, longest_ms, true},
+       .range = {0.0, longest_ms},
        .most = longest_set,
        .example = "[0.5, 1, 2, 4, 8]",
        .of_period = true},

@@ -69,9 +69,14 @@ void read_sets(const Table& table, double period, std::vector<SettableStage>& st
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const std::string own = own_key(i);
     if (!all && own.empty()) continue;
-    std::vector<double> set = whole_samples(table, own.empty() ? "length_set_ms" : own, period);
+    const std::string key = own.empty() ? "length_set_ms" : own;
+    std::vector<double> set = whole_samples(table, key, period);
     std::sort(set.begin(), set.end());
     set.erase(std::unique(set.begin(), set.end()), set.end());
+    std::erase(set, 0.0);
+    if (set.empty())
+      table.fail_at(key,
+                    fmt::format("`{}` = 0 turns stage {} off; allowed is a smaller number of `stages`", key, i + 1));
     stages[i].length_set = std::move(set), stages[i].length_step = stages[i].length_max = 0.0;
   }
 }
@@ -249,6 +254,7 @@ void read_in_position(const Table& table, double period, ControllerSettings& set
 /// Names and units of the times, and the controller's title.
 void read_parameters(const Table& table, ControllerSettings& settings) {
   if (const auto title = table.text("title")) settings.controller = *title;
+  if (table.has("assumed")) settings.assumed = table.texts("assumed");
   const auto right_size = [&](std::string_view key, std::size_t size) {
     if (size == settings.stages.size()) return;
     table.fail_at(key, fmt::format("`{}` has {} elements for {} stages; one a stage is needed", key, size,

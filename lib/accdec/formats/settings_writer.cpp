@@ -13,6 +13,7 @@ using Json = nlohmann::ordered_json;
 
 void write_parameters(const ControllerSettings& settings, Json& controller) {
   if (!settings.controller.empty()) controller["title"] = settings.controller;
+  for (const std::string& what : settings.assumed) controller["assumed"].push_back(what);
   const bool named = std::any_of(settings.stages.begin(), settings.stages.end(),
                                  [](const SettableStage& stage) { return !stage.name.empty(); });
   for (const SettableStage& stage : settings.stages) {

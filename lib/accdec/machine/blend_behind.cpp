@@ -27,13 +27,6 @@ class AxesBlend {
     return each(
         [&](const Filter& f, double in, double out) { return in * f.remaining(k) + out * f.cumulative(k - delay_); });
   }
-  /// At constant feed, from the leg's line: axes of longer mean delays lag more.
-  double off_line(const Point& direction, double feed) const {
-    Point behind(corner_.axes());
-    for (Eigen::Index a = 0; a < behind.size(); ++a)
-      behind[a] = period_ * feed * direction[a] * behind_.motion(static_cast<std::size_t>(a)).mean_delay();
-    return (behind - behind.dot(direction) * direction).norm();
-  }
   double to_leg_in(const Point& s) const { return to_ray(s, -corner_.direction_in); }
   double to_leg_out(const Point& s) const { return to_ray(s, corner_.direction_out); }
 
@@ -79,6 +72,12 @@ double from_origin(const Point& from, const Point& to) {
 
 }  // namespace
 
+double off_line(const FilterBehind& behind, const Eigen::VectorXd& direction, double step) {
+  Point lag = step * direction;
+  for (Eigen::Index a = 0; a < lag.size(); ++a) lag[a] *= behind.motion(static_cast<std::size_t>(a)).mean_delay();
+  return (lag - lag.dot(direction) * direction).norm();
+}
+
 CornerMeasures measure(const FilterBehind& behind, const Corner& corner, int delay, double sample_period) {
   if (!behind.differs()) return measure(Blend(behind.motion(), corner, delay, sample_period));
   const AxesBlend blend(behind, corner, delay, sample_period);
@@ -87,8 +86,8 @@ CornerMeasures measure(const FilterBehind& behind, const Corner& corner, int del
   m.corner_error = m.polyline_error = before.norm();
   m.speed_min = blend.velocity(0).norm();
   m.contour_deviation = std::max({std::min(blend.to_leg_in(before), blend.to_leg_out(before)),
-                                  blend.off_line(corner.direction_in, corner.feed_in),
-                                  blend.off_line(corner.direction_out, corner.feed_out)});
+                                  off_line(behind, corner.direction_in, corner.feed_in * sample_period),
+                                  off_line(behind, corner.direction_out, corner.feed_out * sample_period)});
   for (int k = 1; k <= blend.last(); ++k) {
     const Point here = blend.position(k);
     const double error = here.norm(), speed = blend.velocity(k).norm();

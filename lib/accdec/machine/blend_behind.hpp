@@ -10,6 +10,10 @@ namespace accdec {
 /// @param delay  samples, >= 0
 CornerMeasures measure(const FilterBehind& behind, const Corner& corner, int delay, double sample_period);
 
+/// Distance from the line of a leg at constant feed, m: every axis lags by the mean delay of its own motion.
+/// @param direction  of length 1  @param step  m, of a sample
+double off_line(const FilterBehind& behind, const Eigen::VectorXd& direction, double step);
+
 /// The corner error alone.
 double corner_error(const FilterBehind& behind, const Corner& corner, int delay, double sample_period);
 

@@ -11,6 +11,7 @@
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/report/leg_error.hpp>
 #include <accdec/plot/figure_style.hpp>
 #include <accdec/plot/path_follower.hpp>
 #include <accdec/plot/program_motion.hpp>
@@ -164,7 +165,8 @@ ProgramMotion motion_of(const ProgramResult& result) {
           [&result](const SampleVisitor& visit) { visit_samples(result, visit, Steady::passed); },
           bounds_of(result),
           program_answer(result),
-          &result.plan};
+          &result.plan,
+          leg_error_text(result)};
 }
 
 std::int64_t samples_a_point(const ProgramMotion& motion, std::int64_t most) {

@@ -24,6 +24,7 @@ struct ProgramMotion {
   std::vector<NamedBound> bounds;                     ///< of its time; may be empty
   std::string answer{};                               ///< what to set in a control; may be empty
   const Plan* plan = nullptr;                         ///< for the loads behind a servo; none: they are left out
+  std::string legs{};                                 ///< how servos that differ bend legs; may be empty
 };
 /// The motion of a plan. The reference is kept.
 ProgramMotion motion_of(const ProgramResult& result);

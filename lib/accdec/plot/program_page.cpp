@@ -115,7 +115,7 @@ std::string program_page(const Toolpath& programmed, const Machine& machine, con
       "<p>The path has the colour of its speed; the speed over time that of the limit that binds. Wheel or two "
       "fingers: "
       "zoom. Drag: move. Double click: everything. The pointer tells time, place and speed.</p>\n" +
-      std::string(has_servo(machine) ? behind_servo : "") +
+      std::string(has_servo(machine) ? behind_servo : "") + (motion.legs.empty() ? "" : html_paragraph(motion.legs)) +
       "<canvas id=\"path\"></canvas>\n<p id=\"info\">&nbsp;</p>\n<canvas id=\"speed\"></canvas>\n"
       "<p id=\"legend\"></p>\n<h2>Time lost against the programmed feed</h2>\n";
   page += html_table({{"turn", "places", "lost, s", "lost by each, ms"}, rows});

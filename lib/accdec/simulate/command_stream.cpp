@@ -23,4 +23,27 @@ std::int64_t CommandTiming::dwell_last() const {
   return samples;
 }
 
+namespace {
+
+struct BlockTimesSink {
+  double before;  // samples
+  std::size_t first;
+  BlockTimes& times;
+  void command(const AxisRow<0>&, const AxisRow<0>&, std::int64_t, const AxisRow<0>&) const {}
+  void joint(std::size_t b, double time, std::int64_t rest) const {
+    times.ends[b - first] = before + time;
+    times.begins[b - first + 1] = before + time + static_cast<double>(rest);
+  }
+};
+
+}  // namespace
+
+BlockTimes block_times(const CommandTiming& timing, std::size_t first, std::size_t last) {
+  BlockTimes times{std::vector<double>(last - first + 1, 0.0), std::vector<double>(last - first + 1, unlimited)};
+  const double dwell = first == 0 ? static_cast<double>(timing.dwell_samples(timing.path().dwell_first)) : 0.0;
+  BlockTimesSink sink{dwell, first, times};
+  emit_commands<0>(timing, first, last, sink);
+  return times;
+}
+
 }  // namespace accdec

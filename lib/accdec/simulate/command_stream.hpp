@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <accdec/simulate.hpp>
 
@@ -74,6 +75,13 @@ class CommandTiming {
   double sample_period_;
   std::span<const int> delays_;
 };
+
+/// When the command begins and ends every block, in samples.
+struct BlockTimes {
+  std::vector<double> begins, ends;  ///< the last block never ends
+};
+/// Blocks first .. last, whose command begins with the first. The dwell before a program counts.
+BlockTimes block_times(const CommandTiming& timing, std::size_t first, std::size_t last);
 
 /// Values of all axes. @tparam axes  their number; 0: only known at run time
 template <std::size_t axes>

@@ -8,18 +8,6 @@
 namespace accdec {
 namespace {
 
-/// When the command begins and ends every block, in samples.
-struct BlockTimes {
-  double before;  // samples
-  std::size_t first;
-  std::vector<double>&begins, &ends;
-  void command(const AxisRow<0>&, const AxisRow<0>&, std::int64_t, const AxisRow<0>&) const {}
-  void joint(std::size_t b, double time, std::int64_t rest) const {
-    ends[b - first] = before + time;
-    begins[b - first + 1] = before + time + static_cast<double>(rest);
-  }
-};
-
 constexpr int halvings = 40;     // of a step: far below rounding
 constexpr int few_halvings = 4;  // to tell where a step leaves the path, if another leaves it by more
 
@@ -31,16 +19,11 @@ PathContour::PathContour(const CommandTiming& timing, std::int64_t reach, std::s
       n_(path_.dimensions()),
       first_(first),
       last_(last),
-      begins_(last - first + 1, 0.0),
-      ends_(last - first + 1, unlimited),
+      times_(block_times(timing, first, last)),
       low_(first),
       high_(first),
       before_(path_.point(first), path_.point(first) + n_),
-      block_before_(first) {
-  const double dwell = first == 0 ? static_cast<double>(timing.dwell_samples(path_.dwell_first)) : 0.0;
-  BlockTimes times{dwell, first, begins_, ends_};
-  emit_commands<0>(timing, first, last, times);
-}
+      block_before_(first) {}
 
 PathContour::Nearest PathContour::nearest(const double* point) const {
   Nearest found{low_, unlimited};
@@ -94,9 +77,9 @@ void PathContour::look(std::int64_t number, std::int64_t count, const double* co
     number_ = number + i;
     for (std::size_t a = 0; a < n_; ++a) now[a] = position[a][i];
     const auto k = static_cast<double>(number_);
-    while (high_ < last_ && begins_[high_ - first_ + 1] <= k) ++high_;
+    while (high_ < last_ && times_.begins[high_ - first_ + 1] <= k) ++high_;
     // The step to this sample begins at the one before. If the command rests, the block before it stays.
-    while (low_ < high_ && ends_[low_ - first_] + static_cast<double>(reach_) + 1.0 < k) ++low_;
+    while (low_ < high_ && times_.ends[low_ - first_] + static_cast<double>(reach_) + 1.0 < k) ++low_;
     const Nearest found = nearest(now.data());
     note(found, now.data());
     if (found.block != block_before_) between(before_.data(), now.data(), 0);

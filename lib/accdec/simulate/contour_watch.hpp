@@ -31,8 +31,8 @@ class PathContour {
   const Toolpath& path_;
   std::int64_t reach_;
   std::size_t n_, first_, last_;
-  std::vector<double> begins_, ends_;  // of every block, sample of its command
-  std::size_t low_, high_;             // the blocks that act on the samples seen last
+  BlockTimes times_;
+  std::size_t low_, high_;  // the blocks that act on the samples seen last
   std::int64_t number_ = 0;
   std::vector<double> before_;
   std::size_t block_before_;

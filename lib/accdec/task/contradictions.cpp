@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/machine/blend_behind.hpp>
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
@@ -13,27 +14,16 @@
 namespace accdec {
 namespace {
 
-/// Distance from the line of a leg at its constant feed, m: every axis lags by the mean of its own response.
-double off_line(const Response& response, const Eigen::VectorXd& along, double step) {
-  Eigen::VectorXd behind = along;
-  for (Eigen::Index a = 0; a < along.size(); ++a) {
-    const std::vector<double> taps = response.servo(static_cast<std::size_t>(a));
-    double mean = 0.0;
-    for (std::size_t i = 0; i < taps.size(); ++i) mean += taps[i] * static_cast<double>(i);
-    behind[a] *= step * mean;
-  }
-  return (behind - behind.dot(along) * along).norm();
-}
-
 /// Contours that a leg leaves at its feed, whatever the filter.
 void tell_contours(const Task& task, std::vector<std::string>& found) {
   const auto bounded = [](const TaskCorner& corner) { return corner.contour_max.has_value(); };
   if (!servos_differ(task.machine) || std::ranges::none_of(task.corners, bounded)) return;
-  const Response response(task.machine, task.sample_period);
+  const Filter none({1.0});
+  const FilterBehind behind(none, task.machine, task.sample_period);
   for (const TaskCorner& corner : task.corners) {
     const Corner& g = corner.geometry();
-    const double off = std::max(off_line(response, g.direction_in, g.feed_in * task.sample_period),
-                                off_line(response, g.direction_out, g.feed_out * task.sample_period));
+    const double off = std::max(off_line(behind, g.direction_in, g.feed_in * task.sample_period),
+                                off_line(behind, g.direction_out, g.feed_out * task.sample_period));
     if (corner.contour_max && off > granted_error(*corner.contour_max) * (1.0 + 1e-9))
       found.push_back(
           fmt::format("contour of corner {}: at constant feed the servos leave the line of a leg by {:.4g} um, the "

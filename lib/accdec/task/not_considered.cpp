@@ -25,7 +25,10 @@ std::string unrated_text(const Machine& machine, const std::vector<std::string>&
   for (const Axis& axis : machine.axes) {
     if (std::find(rated.begin(), rated.end(), axis.name) == rated.end()) names.push_back(axis.name);
   }
-  if (rated.empty()) return "thermal rating of the drives";
+  const bool given = std::ranges::any_of(machine.axes, [](const Axis& axis) { return axis.force_rms_max < unlimited; });
+  if (rated.empty())
+    return given ? "thermal rating of the drives (the mean over a whole program, which `accdec program` judges)"
+                 : "thermal rating of the drives";
   if (names.empty()) return "";
   return fmt::format("thermal rating of the drive{} {}", names.size() == 1 ? " of axis" : "s of axes",
                      fmt::join(names, ", "));

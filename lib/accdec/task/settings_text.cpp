@@ -9,6 +9,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/task/corner_feed.hpp>
 #include <accdec/task/delay_kinds.hpp>
+#include <accdec/task/settings_notes.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -168,6 +169,11 @@ std::string rounded(double value, int digits, double (*whole)(double)) {
 
 std::string free_taps_in_words(const ControllerSettings* control) {
   return control == nullptr || control->any_delay() ? "Free taps" : "Free taps with delays of any number of samples";
+}
+
+std::string assumed_in_words(const ControllerSettings* control) {
+  if (control == nullptr || control->assumed.empty()) return "";
+  return fmt::format(" Assumed: {}.", fmt::join(control->assumed, "; "));
 }
 
 std::string families_in_words(const ControllerSettings& settings) {
@@ -331,7 +337,8 @@ std::string settings_answer(const DesignResult& result) {
                                                         : taps_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
   text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
-  text += feeds_left_out(result) + smoothing_left_out(result) + beside_taps(result) + kinds_not_used(result);
+  text += caps_that_bind(result) + stops_considered(result) + feeds_left_out(result) + smoothing_left_out(result);
+  text += beside_taps(result) + kinds_not_used(result);
   if (result.savings && result.settings) {
     const double today = result.savings->today, saved = result.savings->total;
     text += fmt::format(" Today's setting takes {}; ", milliseconds(today));
@@ -339,7 +346,8 @@ std::string settings_answer(const DesignResult& result) {
                 ? fmt::format("retuning saves {} ({:.1f} %).", milliseconds(saved), 100.0 * saved / today)
                 : "retuning saves nothing.";
   }
-  return text + "\n";
+  return text + limit_broken_today(result) + assumed_in_words(result.task.settings ? &*result.task.settings : nullptr) +
+         "\n";
 }
 
 }  // namespace accdec

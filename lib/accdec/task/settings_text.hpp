@@ -18,6 +18,9 @@ std::string proved_best_in_words(const ControllerSettings& settings);
 /// null: no control.
 std::string free_taps_in_words(const ControllerSettings* control);
 
+/// " Assumed: T1 is entered in ms.", what no source says of a control; empty if there is nothing. Null: no control.
+std::string assumed_in_words(const ControllerSettings* control);
+
 /// "averages of 18 ms and 12 ms", or with names of parameters "MD32410 = 0.018 s, MD32411 = 0.012 s".
 std::string settings_in_words(const ChosenSettings& settings);
 

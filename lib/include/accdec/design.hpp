@@ -150,7 +150,8 @@ struct Remedy {
 };
 
 struct ExplainOptions {
-  DesignOptions design;           ///< for every single solve, its time limit in processor time; no progress is reported
+  DesignOptions design;  ///< for every single solve, its time limit in processor time; no progress is reported.
+                         ///< If nothing can be proved, as of servos that differ, all solves share that time
   double time_limit = unlimited;  ///< s, for all solves together; after it the answer is what is known by then
   double share = 0.1;             ///< more room to try, 0 < share < 1
   /// Called before every solve except the first: number of solves done, and their expected total.
@@ -167,6 +168,7 @@ struct Explanation {
   std::vector<Lever> not_moved;   ///< limits whose value is 0: a share of it does not exist
   std::vector<Remedy> remedies;   ///< for an infeasible task: smallest change first, then those that do not help
   int solves = 0;
+  double shared = 0.0;   ///< s, that all solves shared because nothing can be proved; 0: each had its own time
   bool complete = true;  ///< false: cancelled or out of time
 };
 

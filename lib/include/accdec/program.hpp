@@ -127,7 +127,8 @@ struct ControlEstimate {
   std::vector<std::string> unknown;  ///< what the task or the program asks for and this control does not know
 };
 
-/// The force of an axis over a whole program, dwells and rests included.
+/// The force of an axis over a whole program, dwells and rests included. The mean is over the samples of the program.
+/// Behind a servo, the axis still moves after the last of them: the peak counts that, the mean does not.
 struct AxisLoad {
   std::string axis;
   double peak = 0.0;           ///< N, largest |F|
@@ -141,11 +142,19 @@ struct ArcError {
   std::uint32_t line = 0;
 };
 
+/// The largest distance of a motion from the line of a straight leg, while no other leg is felt. About 1e-4 of the
+/// motion along legs before is left then, and the command of the next one has not begun.
+struct LegError {
+  double error = 0.0;      ///< m
+  std::uint32_t line = 0;  ///< where the leg begins
+};
+
 /// The motion behind the servo, where it is not the command.
 struct ServoReport {
-  double settling = 0.0;    ///< s, from the end of the command until the motion stays within `within` of its end
-  double within = 0.0;      ///< m, the least tolerance of a joint; 1 um without
-  double stop_error = 0.0;  ///< m, the largest error of a stop, where the control waits for the command
+  double settling = 0.0;           ///< s, from the end of the command until the motion stays within `within` of its end
+  double within = 0.0;             ///< m, the least tolerance of a joint; 1 um without
+  double stop_error = 0.0;         ///< m, the largest error of a stop, where the control waits for the command
+  std::optional<LegError> legs{};  ///< where servos of axes differ; none: every leg still feels another
 };
 
 /// The program and the task of a result: the same for every plan.
@@ -195,12 +204,12 @@ struct ProgramResult : ProgramSubject {
   std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
   std::optional<double> today;              ///< s, of the program with today's setting of the control, if that was
                                             ///< planned, too; unlimited: no plan with it holds all limits
-  std::string taps_control;             ///< title of the task's control if it takes the taps of plan fixed; else empty
-  std::string compensation;             ///< why arcs that were to be widened are not; empty: nothing to say
-  std::vector<AxisLoad> loads;          ///< of the axes that have a mass or damping; of programs of up to
-                                        ///< `several_plans_max` blocks
-  std::optional<ServoReport> servo;     ///< behind a servo, of programs of up to `several_plans_max` blocks
-  std::vector<FeedOverride> overrides;  ///< of programs of up to `several_plans_max` blocks
+  std::string taps_control;                ///< for a control of taps: the task's filter in words, or "taps"; else empty
+  std::string compensation;                ///< why arcs that were to be widened are not; empty: nothing to say
+  std::vector<AxisLoad> loads;             ///< of the axes that have a mass or damping; of programs of up to
+                                           ///< `several_plans_max` blocks
+  std::optional<ServoReport> servo;        ///< behind a servo, of programs of up to `several_plans_max` blocks
+  std::vector<FeedOverride> overrides;     ///< of programs of up to `several_plans_max` blocks
   std::vector<ControlEstimate> estimates;  ///< of other controls' times, by whoever asks for them
   VerificationReport verification;
   SolverReport solver;

@@ -102,6 +102,7 @@ struct ControllerSettings {
   double in_position_latency = 0.0;  ///< s, a multiple of the period: from within the width until the next block starts
   double corner_feed_step = 0.05;    ///< DelayKind::corner_feed: the parts of the feed are multiples of it, below 1
   std::string controller{};          ///< its title, for people; may be empty
+  std::vector<std::string> assumed{};               ///< what no source says of it and its settings rely on, for people
   std::vector<std::string> delay_words{};           ///< of its programs, one for each of `delays`; empty: not known
   std::shared_ptr<const ControlDialect> dialect{};  ///< of its programs, as its file has it; null: not known
   bool from_file = false;                           ///< a controller was named, built in or by a file

@@ -25,13 +25,6 @@ struct Caps {
   double feed = unlimited, tolerance = unlimited;  // of a piece: m/s, m
 };
 
-/// m, of the chords of an arc.
-double sagitta(const SmoothPath::Piece& piece) {
-  const double chords = static_cast<double>(piece.last - piece.first + 1);
-  const double quarter = std::sin(0.25 * piece.arc->angle / chords);
-  return 2.0 * (piece.radius + std::max(0.0, piece.wider)) * quarter * quarter;
-}
-
 void lower(std::vector<double>& limits, double use) {
   if (!(use > 1.0)) return;
   for (double& limit : limits) limit *= std::max(0.5, of_limits / use);
@@ -45,13 +38,14 @@ class Run {
   /// @param most_samples  see along_run
   std::optional<AlongRun> plan(std::size_t most_samples) {
     const double there = static_cast<double>(most_samples) * free_.period;
-    if (!curve_.has_arcs() || !set_limits() || !set_pieces()) return {};
+    if (!curve_.bends() || !set_limits() || !set_pieces()) return {};
     first_guess();
     if (problem_.node.empty()) return {};
     for (int round = 0; round < rounds; ++round) {
       // Limits of cells only get lower, so that no later round is faster.
       const double most = (1.0 + (round == 0 ? coarse : fine)) * there;
-      if (!problem_.solve(x_, most, [this] { return deadline_.over(); }) || deadline_.over()) return {};
+      if (!problem_.solve(x_, most, [this] { return deadline_.over(); })) return {};
+      if (deadline_.over()) return stretched();
       if (round < first_rounds) {
         if (!refine()) return {};
         continue;
@@ -90,10 +84,11 @@ class Run {
   bool set_pieces() {
     for (const SmoothPath::Piece& piece : curve_.pieces()) {
       Caps caps;
+      const double off = curve_.off_chords(piece);
       for (std::size_t b = piece.first; b <= piece.last; ++b) {
         caps.feed = std::min(caps.feed, free_.feed[b]);
         if (b < piece.last) caps.tolerance = std::min(caps.tolerance, free_.path.tolerance[b]);
-        if (piece.arc != nullptr && !(sagitta(piece) < free_.radius[b])) return false;
+        if (piece.bends() && !(off < free_.radius[b])) return false;
       }
       caps_.push_back(caps);
     }
@@ -197,7 +192,11 @@ class Run {
     double time = 0.0;
     for (std::size_t p = 0; p < curve_.pieces().size(); ++p) {
       const SmoothPath::Piece& piece = curve_.pieces()[p];
-      time += piece.length / std::sqrt(cap_at(p, curve_.at(piece, piece.begin + 0.5 * piece.length)));
+      const int places = piece.spline >= 0 ? 8 : 1;  // a spline bends more in some than in others
+      for (int i = 0; i < places; ++i) {
+        const double u = piece.begin + (i + 0.5) / places * piece.length;
+        time += piece.length / places / std::sqrt(cap_at(p, curve_.at(piece, u)));
+      }
     }
     time += 50.0 * free_.period;
     if (!(time < static_cast<double>(nodes_max) * free_.period)) return;

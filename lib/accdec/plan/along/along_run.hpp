@@ -15,11 +15,14 @@ struct AlongRun {
   std::vector<double> passes;    ///< of the joints inside, samples after the start
 };
 
-/// The fastest motion along lines and the arcs themselves, with limits axis by axis, see PathSpeed. It keeps feeds,
-/// velocity, acceleration, jerk, force and the tolerances of joints. Its samples stay in the tube of the chords.
+/// The fastest motion along lines, the arcs themselves and smooth curves through the chords of splines, with limits
+/// axis by axis, see PathSpeed. It keeps feeds, velocity, acceleration, jerk, force and the tolerances of joints. Its
+/// samples stay in the tube of the chords.
 /// @param free  limits of power and regeneration are not kept
 /// @param most  samples of the motion that there is: the search ends as soon as it finds that it will take longer
-/// @returns none without arcs, with a stop or a joint inside that grants nothing, or if limits leave no motion
+/// @param deadline  ends it with the motion that it has come to
+/// @returns none without arcs and splines, with a stop or a joint inside that grants nothing, or if limits leave no
+///          motion
 std::optional<AlongRun> along_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
                                   const Deadline& deadline);
 

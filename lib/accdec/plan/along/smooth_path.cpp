@@ -5,6 +5,10 @@
 
 namespace accdec {
 
+bool has_curves(const Toolpath& path) {
+  return !path.arcs.empty() || std::ranges::count(path.inside_arc, 0) < std::ssize(path.inside_arc);
+}
+
 SmoothPath::SmoothPath(const Toolpath& path, std::size_t first, std::size_t last) : path_(path) {
   auto arc = std::lower_bound(path.arcs.begin(), path.arcs.end(), first,
                               [](const PathArc& a, std::size_t block) { return a.first < block; });
@@ -14,7 +18,15 @@ SmoothPath::SmoothPath(const Toolpath& path, std::size_t first, std::size_t last
       add_arc(*arc);
       b = arc->last + 1;
     } else {
-      add_line(b++);
+      // Chords with a stop among them stay chords, as do those of an arc.
+      const bool of_arc = arc != path.arcs.end() && arc->first == b;
+      std::size_t end = b;
+      while (!of_arc && end < last && path.inside_arc[end] != 0) ++end;
+      if (end > b)
+        add_spline(b, end);
+      else
+        add_line(b);
+      b = end + 1;
     }
     while (arc != path.arcs.end() && arc->first < b) ++arc;
   }
@@ -53,10 +65,29 @@ void SmoothPath::add_arc(const PathArc& arc) {
   }
   const PathPlace end = at(piece, piece.begin + piece.length);
   for (std::size_t a = 0; a < n; ++a) piece.correction[a] = to[a] - end.position[a];
-  arcs_ = true;
+  bends_ = true;
+}
+
+void SmoothPath::add_spline(std::size_t first, std::size_t last) {
+  add_line(first);
+  Piece& piece = pieces_.back();
+  piece.last = last;
+  piece.spline = std::ssize(splines_);
+  splines_.emplace_back(path_, first, last);
+  piece.length = splines_.back().length();
+  bends_ = true;
+}
+
+double SmoothPath::off_chords(const Piece& piece) const {
+  if (piece.spline >= 0) return splines_[static_cast<std::size_t>(piece.spline)].off_chords();
+  if (piece.arc == nullptr) return 0.0;
+  const double chords = static_cast<double>(piece.last - piece.first + 1);
+  const double quarter = std::sin(0.25 * piece.arc->angle / chords);
+  return 2.0 * (piece.radius + std::max(0.0, piece.wider)) * quarter * quarter;
 }
 
 PathPlace SmoothPath::at(const Piece& piece, double u) const {
+  if (piece.spline >= 0) return splines_[static_cast<std::size_t>(piece.spline)].at(u - piece.begin);
   PathPlace place;
   const double rate = 1.0 / piece.length, t = (u - piece.begin) * rate;
   for (std::size_t a = 0; a < path_.dimensions(); ++a) {
@@ -84,13 +115,8 @@ std::size_t SmoothPath::piece_at(double u) const {
   return after == pieces_.begin() ? 0 : static_cast<std::size_t>(after - pieces_.begin()) - 1;
 }
 
-std::size_t SmoothPath::block_at(const Piece& piece, double u) const {
-  const double blocks = static_cast<double>(piece.last - piece.first + 1);
-  const double at = std::floor(std::clamp((u - piece.begin) / piece.length, 0.0, 1.0) * blocks);
-  return std::min(piece.first + static_cast<std::size_t>(at), piece.last);
-}
-
 double SmoothPath::end_of(const Piece& piece, std::size_t block) const {
+  if (piece.spline >= 0) return piece.begin + splines_[static_cast<std::size_t>(piece.spline)].end(block - piece.first);
   const auto blocks = static_cast<double>(piece.last - piece.first + 1);
   return piece.begin + piece.length * static_cast<double>(block - piece.first + 1) / blocks;
 }

@@ -129,7 +129,7 @@ class Joining {
 /// Blocks that go on without a sharp turn, at whose end the path turns sharply.
 struct SmoothPart {
   std::size_t first = 0, last = 0;
-  bool arcs = false;
+  bool bends = false;
 };
 
 std::vector<SmoothPart> smooth_parts(const FreePath& free, std::size_t first, std::size_t last) {
@@ -145,25 +145,25 @@ std::vector<SmoothPart> smooth_parts(const FreePath& free, std::size_t first, st
     }
     if (turn > sharp) parts.push_back({piece.first, piece.last});
     parts.back().last = piece.last;
-    parts.back().arcs = parts.back().arcs || piece.arc != nullptr;
+    parts.back().bends = parts.back().bends || piece.bends();
   }
   return parts;
 }
 
 /// A motion that rests wherever the path turns sharply. Coming to rest takes less time than creeping around a corner.
-/// @returns none without such a turn or without arcs, or if a part has no motion
+/// @returns none without such a turn or without curves, or if a part has no motion
 std::optional<AlongRun> resting_run(const FreePath& free, std::size_t first, std::size_t last, std::size_t most,
                                     const Deadline& deadline) {
   const std::vector<SmoothPart> parts = smooth_parts(free, first, last);
-  if (parts.size() < 2 || std::none_of(parts.begin(), parts.end(), [](const SmoothPart& p) { return p.arcs; }))
+  if (parts.size() < 2 || std::none_of(parts.begin(), parts.end(), [](const SmoothPart& p) { return p.bends; }))
     return {};
   const std::size_t n = free.dimensions();
   AlongRun whole;
   for (const SmoothPart& part : parts) {
     const std::size_t done = whole.position.size() / n;
     if (done >= most || deadline.over()) return {};
-    const auto run = part.arcs ? along_run(free, part.first, part.last, most - done, deadline)
-                               : straight_run(free, part.first, part.last);
+    const auto run = part.bends ? along_run(free, part.first, part.last, most - done, deadline)
+                                : straight_run(free, part.first, part.last);
     if (!run) return {};
     for (std::size_t k = done > 0 ? rests_between(free, whole.position, run->position) : 0; k > 0; --k)
       whole.position.insert(whole.position.end(), free.path.point(part.first), free.path.point(part.first) + n);

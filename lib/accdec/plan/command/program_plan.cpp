@@ -5,6 +5,7 @@
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/repair.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/curve_feeds.hpp>
 #include <accdec/simulate/sample_check.hpp>
@@ -98,6 +99,12 @@ void snap_durations(Toolpath& path, const Filter& filter, double sample_period, 
     }
     for (std::size_t i = first; i <= last && held; ++i) path.duration[i] *= factor;
   });
+}
+
+void ready_feeds(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
+  limit_rapids(path, filter, sample_period, machine);
+  snap_durations(path, filter, sample_period, machine);
+  hold_contour(path, FilterBehind(filter, machine, sample_period), sample_period);
 }
 
 namespace {

@@ -57,6 +57,9 @@ bool snap_runs(Toolpath& path, double sample_period, const std::vector<int>& del
 /// program's author would cost every leg a sample. This is done only if it keeps the axis limits.
 void snap_durations(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
+/// All that is done to the feeds of a program before its delays are known: limit_rapids, snap_durations, hold_contour.
+void ready_feeds(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
+
 /// If the control has not all delays, gives the joints those that they get, and simulates the plan again.
 void settle_delays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                    ProgramPlan& plan);

@@ -23,18 +23,15 @@ class FeedLimiter {
         machine_(machine),
         limits_(filter, machine, sample_period),
         programmed_(path.duration),
-        within_contour_(parts_within_contour(path, FilterBehind(filter, machine, sample_period), sample_period)),
         binding_(path.blocks()),
         reach_((filter.order() + 2) * sample_period) {}
 
   /// Slows blocks that leave the contour at constant feed. True if anything was.
-  bool slow_to_contour() {
+  bool slow_to_contour(const FilterBehind& behind, double sample_period) {
     bool slowed = false;
-    for (std::size_t b = 0; b < path_.blocks(); ++b) {
-      if (!(within_contour_[b] < 1.0)) continue;
-      path_.duration[b] /= within_contour_[b];
-      binding_[b] = {LimitKind::contour, machine_.axes.size()};
-      slowed = true;
+    for (std::size_t b = 0; const double part : hold_contour(path_, behind, sample_period)) {
+      if (part < 1.0) binding_[b] = {LimitKind::contour, machine_.axes.size()}, slowed = true;
+      ++b;
     }
     return slowed;
   }
@@ -148,7 +145,6 @@ class FeedLimiter {
   const Machine& machine_;
   BlendLimits limits_;
   const std::vector<double> programmed_;
-  const std::vector<double> within_contour_;   // of every block
   std::vector<BlendLimits::Binding> binding_;  // of every block
   double reach_;                               // s
 };
@@ -159,7 +155,8 @@ std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, doubl
                                      PairwiseDelays& delays, bool ramps, const Deadline& deadline) {
   if (machine.axes.empty()) return {};
   FeedLimiter limiter(path, filter, sample_period, machine);
-  if (limiter.slow_to_contour()) delays = pairwise_delays(path, filter, sample_period, machine);
+  if (limiter.slow_to_contour(FilterBehind(filter, machine, sample_period), sample_period))
+    delays = pairwise_delays(path, filter, sample_period, machine);
   // A shorter reach at a lower feed may leave the next block out, and legs that meet slower make others meet faster: a
   // few rounds. If ramps do not settle it, whole legs are slowed in the end.
   for (int round = 0; round < 12 && !deadline.over(); ++round) {

@@ -1,6 +1,5 @@
 #include <Eigen/Core>
 
-#include <accdec/corner.hpp>
 #include <accdec/machine/blend_behind.hpp>
 #include <accdec/plan/feeds/contour_feeds.hpp>
 
@@ -15,17 +14,16 @@ std::vector<double> parts_within_contour(const Toolpath& path, const FilterBehin
     if (path.duration[b] < longest) continue;
     const Eigen::VectorXd way =
         Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) - Eigen::Map<const Eigen::VectorXd>(path.point(b), n);
-    const double feed = way.norm() / path.duration[b];
-    // A corner that goes straight on is passed at constant feed.
-    const double off = measure(behind, make_corner(way, way, feed, feed), 0, sample_period).contour_deviation;
+    const double off = off_line(behind, way.normalized(), way.norm() / path.duration[b] * sample_period);
     if (off > path.contour_max) parts[b] = path.contour_max / off;
   }
   return parts;
 }
 
-void hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period) {
-  const std::vector<double> parts = parts_within_contour(path, behind, sample_period);
+std::vector<double> hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period) {
+  std::vector<double> parts = parts_within_contour(path, behind, sample_period);
   for (std::size_t b = 0; b < path.blocks(); ++b) path.duration[b] /= parts[b];
+  return parts;
 }
 
 }  // namespace accdec

@@ -12,7 +12,7 @@ namespace accdec {
 /// far off as at constant feed.
 std::vector<double> parts_within_contour(const Toolpath& path, const FilterBehind& behind, double sample_period);
 
-/// Slows the blocks to these parts of their feeds.
-void hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period);
+/// Slows the blocks to these parts of their feeds, and returns them.
+std::vector<double> hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period);
 
 }  // namespace accdec

@@ -13,7 +13,6 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/stop_everywhere.hpp>
-#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/stretched.hpp>
 #include <accdec/plan/filters/design_program_filter.hpp>
 #include <accdec/plan/filters/filter_search.hpp>
@@ -36,9 +35,7 @@ double program_time(const Toolpath& path, const Filter& set, const Task& task, c
     if (use.utilisation > 1.0) return unlimited;
   }
   Toolpath copy = path;
-  limit_rapids(copy, filter, task.sample_period, machine);
-  snap_durations(copy, filter, task.sample_period, machine);
-  hold_contour(copy, FilterBehind(filter, machine, task.sample_period), task.sample_period);
+  ready_feeds(copy, filter, task.sample_period, machine);
   const PairwiseDelays delays = pairwise_delays(copy, filter, task.sample_period, machine, DelayRule::smallest, &until);
   if (!delays.limits_possible) return unlimited;
   const CommandTiming timing(copy, task.sample_period, delays.delays);

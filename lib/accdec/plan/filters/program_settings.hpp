@@ -4,15 +4,13 @@
 
 #include <accdec/program.hpp>
 
-// In settings_for_program.cpp.
-
 namespace accdec {
 
 /// The answer for the user of a control: what to set, the time and what was looked at, the saving against today.
 /// @param result  with settings; of its plan, the time
 std::string program_settings_answer(const ProgramResult& result);
 
-/// The title of a task's control that takes free taps, for ProgramResult::taps_control; empty for others.
+/// The setting of a control that takes free taps, for ProgramResult::taps_control; empty for other tasks.
 std::string control_of_taps(const Task& task);
 
 /// The answer for a control that takes the taps of plan fixed. @param result  its delays and times

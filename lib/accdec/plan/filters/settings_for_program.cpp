@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include <accdec/design/design_settings.hpp>
+#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/representative_task.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
@@ -272,6 +272,12 @@ bool is_todays(const Task& task, const Filter& filter) {
   return today != nullptr && same_taps(filter, make_filter(*today));
 }
 
+ChosenSettings taps_to_set(const Task& task, const Filter& set) {
+  ChosenSettings chosen = as_settings(set);
+  if (task.filter && same_taps(set, make_filter(*task.filter))) chosen.filter = *task.filter;
+  return chosen;
+}
+
 double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
                          const Deadline& deadline) {
   if (task.settings->any_delay() || !task.settings->names(DelayKind::in_position)) return 0.0;
@@ -320,80 +326,6 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
   result.solver.evaluations = found->tried;
   result.filter = make_filter(found->chosen.filter);
   return result;
-}
-
-namespace {
-
-/// The settings looked at, and the limit that ended the search.
-std::string what_was_tried(const ProgramSettings& settings) {
-  if (settings.complete) return fmt::format("no other of {} settings is planned faster.", settings.members);
-  // Half of --time-limit goes to the search.
-  const std::string ended = settings.search_limit
-                                ? fmt::format(
-                                      "The search ended by its own limit of {:.3g} s; --time-limit {:.0f} "
-                                      "searches twice as long.",
-                                      *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
-                                : "The time limit ended the search; a longer one plans more.";
-  return fmt::format("the fastest of those tried: {} of {}{} settings planned, {} guessed. {}", settings.tried,
-                     settings.members, settings.members >= SettableMembers::most ? " or more" : "", settings.guessed,
-                     ended);
-}
-
-std::string beside_free_taps(const ProgramSettings& settings, double time) {
-  const double free = *settings.free_taps, less = time - free;
-  const std::string taps = free_taps_in_words(settings.control.get());
-  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
-  return fmt::format(" {} would take {:.6g} s ({:.1f} % less) or less.", taps, free, 100.0 * less / time);
-}
-
-std::string beside_today(const ProgramResult& result) {
-  if (!result.today || (result.settings && result.settings->is_today)) return "";
-  const double today = *result.today, saved = today - result.cycle_time;
-  if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
-  std::string text = fmt::format(" Today's setting takes {:.6g} s; ", today);
-  if (saved > 1e-9 * today)
-    return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
-  return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
-}
-
-}  // namespace
-
-std::string program_settings_answer(const ProgramResult& result) {
-  const ProgramSettings& settings = *result.settings;
-  const double time = result.cycle_time;
-  std::string text = fmt::format("{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
-                                 settings_in_words(settings.chosen));
-  if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
-  for (const DelayKindName& kind : delay_kinds) {
-    const auto count = std::count(settings.chosen.delays.begin(), settings.chosen.delays.end(), kind.kind);
-    if (count > 0 && kind.kind != DelayKind::continuous)
-      text += fmt::format("; {} at {} joint{}", kind.name, count, count == 1 ? "" : "s");
-  }
-  text += fmt::format(". {:.6g} s for this program, ", time);
-  if (settings.chosen.family == SettingFamily::taps)
-    text += "not proved best.";
-  else
-    text += what_was_tried(settings);
-  if (settings.free_taps) text += beside_free_taps(settings, time);
-  return text + beside_today(result) + "\n";
-}
-
-std::string control_of_taps(const Task& task) {
-  return task.settings && !task.settings->names_family() ? task.settings->controller : "";
-}
-
-std::string program_taps_answer(const ProgramResult& result) {
-  return fmt::format(
-      "Set these: the {} taps that `accdec export` writes from the result; {} delay{} as `--emit` writes them. "
-      "{:.6g} s for this program, not proved best.{}\n",
-      result.plan.set().order() + 1, result.delayed, result.delayed == 1 ? "" : "s", result.cycle_time,
-      beside_today(result));
-}
-
-std::string program_answer(const ProgramResult& result) {
-  if (!result.verification.feasible) return "";
-  if (result.settings) return program_settings_answer(result);
-  return result.taps_control.empty() || result.plan.command() == nullptr ? "" : program_taps_answer(result);
 }
 
 }  // namespace accdec

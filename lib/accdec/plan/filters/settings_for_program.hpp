@@ -48,6 +48,9 @@ const FilterSpec* todays_filter(const Task& task);
 /// Whether a filter is that one.
 bool is_todays(const Task& task, const Filter& filter);
 
+/// The taps of a plan as what to set: the task's own filter as it is given, or any taps.
+ChosenSettings taps_to_set(const Task& task, const Filter& set);
+
 /// The in-position width, m, with which the program takes the least time with a given filter; 0 if the control has
 /// none.
 /// @param task  with settings

@@ -8,7 +8,6 @@
 #include <accdec/plan/command/slow_blocks.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
-#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
@@ -34,9 +33,7 @@ class PairwiseTimes {
  public:
   PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline)
       : filter_(filter) {
-    limit_rapids(path, filter, period, machine);
-    snap_durations(path, filter, period, machine);
-    hold_contour(path, FilterBehind(filter, machine, period), period);
+    ready_feeds(path, filter, period, machine);
     PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
     if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
     const CommandTiming timing(path, period, delays.delays);

@@ -156,6 +156,7 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   if (record.schema == ProgramSchema::program_2) find_other_rules(record, check.found);
   check.found.worst_shown = record.result.worst_shown;
   check.found.today = record.result.today;
+  check.found.taps_control = record.result.taps_control;
   return with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown),
               proved);
 }

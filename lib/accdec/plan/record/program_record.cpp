@@ -105,6 +105,8 @@ class Reader {
     if (json_.has("servo")) {
       const Value servo = json_["servo"];
       r.servo = {servo["settling_s"].number(), servo["within_m"].number(), servo["stop_error_m"].number()};
+      if (servo.has("leg_error_m"))
+        r.servo->legs = {servo["leg_error_m"].number(), servo["leg_line"].integer<std::uint32_t>()};
     }
     if (json_.has("estimates")) r.estimates = recorded_estimates(json_["estimates"]);
   }

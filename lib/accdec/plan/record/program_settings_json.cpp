@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/record/program_record.hpp>
@@ -82,7 +81,7 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
   if (!family) json["family"].fail("is no family of settings");
   if (*family == SettingFamily::taps) {
     if (result.plan.command() == nullptr) json["family"].fail("is of plan fixed");
-    settings.chosen = as_settings(result.plan.set());
+    settings.chosen = taps_to_set(task, result.plan.set());
   } else {
     settings.members = json["members"].integer<long>();
     settings.tried = json["tried"].integer<long>();

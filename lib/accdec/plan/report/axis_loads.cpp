@@ -12,22 +12,24 @@ namespace {
 /// Force of one axis, sample by sample, from rest on.
 class Loaded {
  public:
-  Loaded(const Axis& axis, std::size_t dimension, double period)
-      : axis_(&axis), dimension_(dimension), period_(period) {}
+  /// @param samples  of the program: the mean is over these
+  Loaded(const Axis& axis, std::size_t dimension, double period, std::int64_t samples)
+      : axis_(&axis), dimension_(dimension), period_(period), samples_(samples) {}
 
   std::size_t dimension() const { return dimension_; }
-  /// @param count  samples with this velocity; with more than one, the one before had it, too
-  void look(double velocity, std::int64_t count) {
+  /// A sample; if some before it were passed over, they and the one before them had its velocity, too.
+  void look(double velocity, std::int64_t number) {
     const double force =
         axis_state(*axis_, velocity, (velocity - before_) / period_, 0.0, standing_speed(period_)).force;
     before_ = velocity;
     peak_ = std::max(peak_, std::abs(force));
-    squares_ += static_cast<long double>(count) * force * force;
+    const std::int64_t counted = std::min(number, samples_) - std::min(number_, samples_);
+    number_ = number;
+    squares_ += static_cast<long double>(counted) * force * force;
   }
-  /// @param samples  of the whole program
-  AxisLoad finish(const Toolpath& path, std::int64_t samples) {
-    look(0.0, 1);
-    const double mean = static_cast<double>(squares_ / static_cast<long double>(std::max<std::int64_t>(samples, 1)));
+  AxisLoad finish(const Toolpath& path) {
+    look(0.0, number_ + 1);
+    const double mean = static_cast<double>(squares_ / static_cast<long double>(std::max<std::int64_t>(samples_, 1)));
     return {path.axis_name(dimension_), peak_, std::sqrt(mean), axis_->force_rms_max};
   }
 
@@ -35,6 +37,7 @@ class Loaded {
   const Axis* axis_;
   std::size_t dimension_;
   double period_, before_ = 0.0, peak_ = 0.0;
+  std::int64_t samples_, number_ = 0;
   long double squares_ = 0.0L;
 };
 
@@ -44,17 +47,15 @@ std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& mac
   std::vector<Loaded> loaded;
   for (std::size_t a = 0; a < machine.axes.size(); ++a) {
     if (machine.axes[a].mass > 0.0 || machine.axes[a].damping > 0.0 || machine.axes[a].coulomb > 0.0)
-      loaded.emplace_back(machine.axes[a], a, result.sample_period);
+      loaded.emplace_back(machine.axes[a], a, result.sample_period, result.check.samples);
   }
   if (loaded.empty() || result.plan.empty()) return {};
-  std::int64_t before = -1;
   const auto look = [&](std::int64_t k, const double*, const double* velocity) {
-    for (Loaded& axis : loaded) axis.look(velocity[axis.dimension()], k - before);
-    before = k;
+    for (Loaded& axis : loaded) axis.look(velocity[axis.dimension()], k);
   };
   visit_samples(result, look, Steady::passed, MotionOf::servo);
   std::vector<AxisLoad> loads;
-  for (Loaded& axis : loaded) loads.push_back(axis.finish(result.plan.path, result.check.samples));
+  for (Loaded& axis : loaded) loads.push_back(axis.finish(result.plan.path));
   return loads;
 }
 

@@ -126,6 +126,10 @@ void add_times(Json& json, const ProgramResult& result) {
                      {"within_m", result.servo->within},
                      {"stop_error_m", number(result.servo->stop_error)}};
   if (result.servo && result.plan.command()->moved.size() > 1) json["servo"]["axes_differ"] = true;
+  if (result.servo && result.servo->legs) {
+    json["servo"]["leg_error_m"] = result.servo->legs->error;
+    json["servo"]["leg_line"] = result.servo->legs->line;
+  }
   if (!result.overrides.empty()) json["feed_overrides"] = overrides_json(result);
   json["delay_total_s"] = result.delay_total;
 }

@@ -16,6 +16,7 @@
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
 #include <accdec/plan/report/left_at_rest.hpp>
+#include <accdec/plan/report/leg_error.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/program.hpp>
@@ -55,6 +56,7 @@ class SummaryText {
   explicit SummaryText(const ProgramResult& result) : result_(result), left_at_rest_(left_at_rest(result)) {}
 
   std::string write() {
+    if (!result_.verification.feasible) return broken_plan();
     if (const std::string answer = program_answer(result_); !answer.empty()) put("{}\n", answer);
     head();
     times();
@@ -70,14 +72,19 @@ class SummaryText {
     put("  planned and verified in {:.3g} s", result_.solver.wall_time);
     if (result_.peak_memory > 0) put(", at most {:.0f} MB of memory", static_cast<double>(result_.peak_memory) * 1e-6);
     put("\n");
-    put("\n  {}{}{}\n",
-        !result_.verification.feasible ? "NOT verified"
-                                       : "verified: every sample simulated, " + bounds_that_hold(left_at_rest_),
+    put("\n  verified: every sample simulated, {}{}{}\n", bounds_that_hold(left_at_rest_),
         result_.message.empty() ? "" : ": ", result_.message);
     return fmt::to_string(text_);
   }
 
  private:
+  /// The limits of the plan that breaks least. Its times and settings are no answer.
+  std::string broken_plan() {
+    put("{}: no plan was found that holds all limits\n", printable(result_.program));
+    limits();
+    put("\n  NOT verified: {}\n", result_.message);
+    return fmt::to_string(text_);
+  }
   template <class... Arguments>
   void put(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
@@ -144,7 +151,7 @@ class SummaryText {
           "end\n",
           servo->settling, servo->within * 1e6);
       if (result_.plan.command()->moved.size() > 1)
-        put("  axes have different servos: every sample is verified, nothing is proved of shorter plans\n");
+        put("  {}\n  every sample is verified, nothing is proved of shorter plans\n", leg_error_text(result_));
       if (servo->stop_error > 0.0)
         put("  at stops the control waits for the command: the motion leaves out up to {:.4g} um\n",
             servo->stop_error * 1e6);
@@ -246,6 +253,8 @@ class SummaryText {
           : of_mode(use.kind)              ? fmt::format("line {}, {}", use.line, place_of_vibration(use, 4))
                                            : fmt::format("line {}", use.line));
     }
+    if (std::ranges::any_of(uses, [](const LimitUse& use) { return use.kind == LimitKind::force_speed; }))
+      put("  force speed: a sample's force and the curve's at its speed, both in proportion as at standstill\n");
     if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
     for (const std::string& left : left_at_rest_in_words(result_, left_at_rest_)) put("  {}\n", left);
     for (const AxisLoad& load : result_.loads) {

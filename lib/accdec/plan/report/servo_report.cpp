@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/bounds/filter_bound.hpp>
+#include <accdec/plan/report/leg_error.hpp>
 #include <accdec/plan/report/samples.hpp>
 #include <accdec/plan/report/servo_report.hpp>
 
@@ -22,7 +23,7 @@ double least_tolerance(const Toolpath& path) {
 
 }  // namespace
 
-std::optional<ServoReport> servo_report(const ProgramResult& result) {
+std::optional<ServoReport> servo_report(const ProgramResult& result, const Machine& machine) {
   const FilteredCommand* command = result.plan.command();
   if (command == nullptr || command->moved.empty()) return std::nullopt;
   const Toolpath& path = result.plan.path;
@@ -30,7 +31,8 @@ std::optional<ServoReport> servo_report(const ProgramResult& result) {
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.joint[b] == Joint::stop) stops = std::max(stops, result.errors[b]);
   }
-  ServoReport report{.settling = 0.0, .within = least_tolerance(path), .stop_error = stops};
+  ServoReport report{
+      .settling = 0.0, .within = least_tolerance(path), .stop_error = stops, .legs = leg_error(result, machine)};
   const double* end = path.point(path.blocks());
   std::int64_t settled = 0;
   const auto look = [&](std::int64_t k, const double* position, const double*) {

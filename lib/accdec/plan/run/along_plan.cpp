@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <accdec/plan/along/along_run.hpp>
+#include <accdec/plan/along/smooth_path.hpp>
 #include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/run/along_plan.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
@@ -49,7 +50,7 @@ std::optional<AlongPlan> plan_along(const ProgramResult& profiles, const Task& t
   const Toolpath& path = profiles.plan.path;
   const Machine machine = program_machine(task.machine, path);
   const Trajectory* trajectory = profiles.plan.trajectory();
-  if (trajectory == nullptr || path.arcs.empty() || path.blocks() > several_plans_max || !keeps_limits(machine) ||
+  if (trajectory == nullptr || !has_curves(path) || path.blocks() > several_plans_max || !keeps_limits(machine) ||
       !profiles.verification.feasible || rests_too_long(path, profiles.sample_period))
     return {};
   const auto start = std::chrono::steady_clock::now();

@@ -26,6 +26,11 @@ void require_plan(const ProgramResult& result, const Deadline& deadline) {
   throw std::invalid_argument(result.message + instead);
 }
 
+bool time_for_one_filter(const Toolpath& path, const Deadline& deadline) {
+  constexpr std::size_t always = 2000;  // blocks: takes less time than the bound
+  return path.blocks() <= several_plans_max && (path.blocks() <= always || !deadline.over());
+}
+
 ProgramResult plan_profiles_of(PlanningProblem problem) {
   const double bound = program_lower_bound(problem.path, program_machine(problem.task.machine, problem.path),
                                            problem.task.sample_period);
@@ -80,9 +85,7 @@ ProgramResult faster_plan(const ProgramFile& file, const Task& task, const Progr
   profiles.reading = file.reading;
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
-  // A plan of one filter for a short program takes less time than its bound did.
-  constexpr std::size_t always_several = 2000;  // blocks
-  const bool late = !several || (options.deadline.over() && file.path.blocks() > always_several);
+  const bool late = !time_for_one_filter(file.path, options.deadline);
   if (late && holds) return profiles;
   std::optional<AlongPlan> along;
   if (!late && !profiles.plan.empty()) along = plan_along(profiles, task, options.deadline);

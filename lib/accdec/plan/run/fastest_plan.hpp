@@ -13,6 +13,10 @@ PlanTime time_of(const ProgramResult& result);
 /// @throws std::invalid_argument with the result's message if it has no plan: then there is nothing to print
 void require_plan(const ProgramResult& result, const Deadline& deadline);
 
+/// Whether one filter is planned beside plan profiles: not for the longest programs, and when the time is over only for
+/// short ones.
+bool time_for_one_filter(const Toolpath& path, const Deadline& deadline);
+
 /// Plan profiles, or a faster one. Programs of up to `several_plans_max` blocks are also planned with one filter, and
 /// their arcs by a motion along them (plan free). The answer is the fastest of the plans that hold all limits, with the
 /// times of the others as its candidates.

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <accdec/design/taps_of_kinds.hpp>
 #include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
@@ -88,7 +87,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   any.settings.reset();
   choice = taps_for_program(path, any, options, tell);
   if (choice.filter)
-    choice.settings = {.chosen = as_settings(*choice.filter),
+    choice.settings = {.chosen = taps_to_set(task, *choice.filter),
                        .width = width_for_program(path, task, *choice.filter, keep, until())};
   return choice;
 }
@@ -138,7 +137,7 @@ void offer_kept(std::optional<ProgramFile> straight, const Task& task, const Pro
 void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task& task) {
   result.settings = choice.settings;
   if (choice.settings->chosen.family == SettingFamily::taps && !result.plan.empty())
-    result.settings->chosen = as_settings(result.plan.set());  // of the plan at kept feeds, if that is the answer
+    result.settings->chosen = taps_to_set(task, result.plan.set());  // of the plan at kept feeds, if that is the answer
   result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
   if (result.plan.empty()) return;
   result.settings->is_today = is_todays(task, result.plan.set());

@@ -20,6 +20,9 @@
 namespace accdec {
 namespace {
 
+/// Part of the time left behind plan profiles, for motions along arcs: more than plan profiles itself leaves them.
+constexpr double of_arcs = 0.9;
+
 [[noreturn]] void refuse(const std::string& what, const std::string& instead) {
   throw std::invalid_argument("plan free " + what + "; " + instead);
 }
@@ -34,7 +37,7 @@ void refuse_options(const Toolpath& path, const ProgramFileOptions& options) {
 /// @param fixed  one filter for the program, if it holds
 std::string why_no_motion(const ProgramResult& profiles, const ProgramResult* fixed, const Deadline& deadline) {
   constexpr double samples_a_second = 1e6;  // made, checked and written by one core of 2.6 GHz
-  constexpr double always = 0.02;           // s, even if the time is over: no longer than a plan takes
+  constexpr double always = 0.1;            // s, even if the time is over: no longer than a plan takes
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (!holds && fixed == nullptr)
     return profiles.plan.empty() ? profiles.message : "plan profiles found no motion that holds all limits";
@@ -50,7 +53,7 @@ std::string why_no_motion(const ProgramResult& profiles, const ProgramResult* fi
 /// One filter for the program, in a part of the time; if there is no other plan, even when the time is over.
 std::optional<ProgramResult> fixed_beside(const ProgramFile& file, const Task& task, ProgramFileOptions options,
                                           bool only) {
-  if (!only && (file.path.blocks() > several_plans_max || options.deadline.over())) return {};
+  if (!only && !time_for_one_filter(file.path, options.deadline)) return {};
   if (const double left = options.deadline.left(); options.time_limit || left < unlimited) {
     options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
     options.deadline = options.deadline.within(*options.time_limit);
@@ -62,10 +65,9 @@ std::optional<ProgramResult> fixed_beside(const ProgramFile& file, const Task& t
 
 /// The fastest of the plans as samples: profiles, along its arcs, or one filter. None if only the filter's plan holds
 /// and it has none, or they leave the tube.
-std::optional<AlongPlan> fastest_samples(const ProgramResult& profiles, const ProgramResult* fixed, const Task& task,
-                                         const Deadline& deadline) {
+std::optional<AlongPlan> fastest_samples(const ProgramResult& profiles, std::optional<AlongPlan> along,
+                                         const ProgramResult* fixed, const Task& task) {
   const Toolpath& path = profiles.plan.path;
-  std::optional<AlongPlan> along = plan_along(profiles, task, deadline);
   const bool holds = profiles.verification.feasible;
   const double best = along ? along->result.cycle_time : holds ? profiles.cycle_time : unlimited;
   if (fixed && fixed->cycle_time < best) {
@@ -124,6 +126,29 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
 
 }  // namespace
 
+ProgramResult free_from(const Toolpath& path, const ProgramResult& profiles, std::optional<AlongPlan> along,
+                        const ProgramResult* fixed, const Task& task, const ProgramFileOptions& options,
+                        const std::function<void(const std::string&)>& tell) {
+  const std::string no_motion = why_no_motion(profiles, fixed, options.deadline);
+  if (!no_motion.empty()) {
+    if (tell) tell(no_motion + ": the plan stays what it is");
+    return along ? std::move(along->result) : profiles;
+  }
+  ProgramResult unchecked;  // plan profiles without a plan, if the time ended before its check
+  if (profiles.plan.empty()) unchecked = profiles, unchecked.plan = {path, Trajectory{}};
+  const ProgramResult& first = profiles.plan.empty() ? unchecked : profiles;
+  std::optional<AlongPlan> begun = fastest_samples(first, std::move(along), fixed, task);
+  if (!begun) {
+    if (tell) tell("no plan has samples that keep to their legs");
+    return profiles;
+  }
+  const Machine machine = program_machine(task.machine, path);
+  ProgramResult result = shortened(first, std::move(*begun), machine, options, tell);
+  if (options.fixed.compensate_arcs)
+    result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
+  return result;
+}
+
 ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
                             const std::function<void(const std::string&)>& tell, std::optional<ProgramResult> fixed) {
   refuse_options(file.path, options);
@@ -135,7 +160,12 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   const Deadline most = options.deadline.within(0.6 * options.deadline.left());
   ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
   profiles.reading = file.reading;
-  // The bound is computed beside the plan of one filter, in the same part of the time.
+  // Before one filter and the bounds, which may take all the time that is left; windows need some of it, too.
+  options.free.tell("motions along arcs");
+  std::optional<AlongPlan> along;
+  if (!profiles.plan.empty())
+    along = plan_along(profiles, task, options.deadline.within(of_arcs * options.deadline.left()));
+  // The bound is computed beside what follows.
   std::future<CornerBound> bound;
   if (file.path.blocks() <= several_plans_max) {
     const std::launch how = options.free.threads > 1 ? std::launch::async : std::launch::deferred;
@@ -147,10 +177,12 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
     options.free.tell("plan fixed");
     fixed = fixed_beside(file, task, options, only);
   }
+  // With more threads, windows are shortened beside it.
   options.free.tell("bounds");
-  if (bound.valid()) profiles.corner_bound = bound.get();
+  if (bound.valid() && options.free.threads == 1) bound.wait();
   ProgramResult* const beside = fixed ? &*fixed : nullptr;
   const auto answer = [&](ProgramResult result) {
+    if (bound.valid()) result.corner_bound = bound.get();
     if (beside && (!result.verification.feasible || beside->cycle_time < result.cycle_time)) {
       std::swap(*beside, result);
       if (beside->corner_bound)
@@ -162,25 +194,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
     result.solver.wall_time = seconds_since(start);
     return result;
   };
-  const std::string no_motion = why_no_motion(profiles, beside, options.deadline);
-  if (!no_motion.empty()) {
-    if (tell) tell(no_motion + ": the plan stays what it is");
-    return answer(std::move(profiles));
-  }
-  const Machine machine = program_machine(task.machine, file.path);
-  ProgramResult unchecked;  // plan profiles without a plan, if the time ended before its check
-  if (profiles.plan.empty()) unchecked = profiles, unchecked.plan = {file.path, Trajectory{}};
-  const ProgramResult& first = profiles.plan.empty() ? unchecked : profiles;
-  options.free.tell("motions along arcs");
-  std::optional<AlongPlan> begun = fastest_samples(first, beside, task, options.deadline);
-  if (!begun) {
-    if (tell) tell("no plan has samples that keep to their legs");
-    return answer(std::move(profiles));
-  }
-  ProgramResult result = shortened(first, std::move(*begun), machine, options, tell);
-  if (options.fixed.compensate_arcs)
-    result.compensation = "arcs are commanded as programmed: samples lie on them, or as near as tolerances ask";
-  return answer(std::move(result));
+  return answer(free_from(file.path, profiles, std::move(along), beside, task, options, tell));
 }
 
 }  // namespace accdec

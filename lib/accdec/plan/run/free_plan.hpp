@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <accdec/plan/run/along_plan.hpp>
 #include <accdec/program.hpp>
 
 namespace accdec {
@@ -19,5 +20,13 @@ namespace accdec {
 ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
                             const std::function<void(const std::string&)>& tell,
                             std::optional<ProgramResult> fixed = {});
+
+/// The motion of plan free from plans that are known. Only `options.deadline` ends it by the clock.
+/// @param profiles  plan profiles, may be without a plan: the answer where there is no faster motion
+/// @param along  its arcs planned along the path, if that is faster (plan_along)
+/// @param fixed  one filter that holds; may be nullptr
+ProgramResult free_from(const Toolpath& path, const ProgramResult& profiles, std::optional<AlongPlan> along,
+                        const ProgramResult* fixed, const Task& task, const ProgramFileOptions& options,
+                        const std::function<void(const std::string&)>& tell);
 
 }  // namespace accdec

@@ -14,7 +14,6 @@
 #include <accdec/plan/command/stop_everywhere.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
-#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
 #include <accdec/plan/run/before_planning.hpp>
@@ -232,9 +231,7 @@ class Planning {
   }
   /// Samples at the programmed feeds with no more than the delays that corners and stops need alone: plans take longer.
   std::int64_t least_kept(Toolpath path) const {
-    limit_rapids(path, filter_, task_.sample_period, machine_);
-    snap_durations(path, filter_, task_.sample_period, machine_);
-    hold_contour(path, behind_, task_.sample_period);
+    ready_feeds(path, filter_, task_.sample_period, machine_);
     std::vector<int> delays = pairwise_delays(path, filter_, task_.sample_period, machine_).delays;
     delays = with_least_stops(path, std::move(delays), exact_stop_delay(filter_));
     for (std::size_t b = 0; b < path.blocks(); ++b) {

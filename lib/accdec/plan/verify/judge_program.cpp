@@ -104,7 +104,7 @@ void judge_program(ProgramResult& result, const Machine& machine, const std::vec
   if (result.plan.path.blocks() <= several_plans_max && !result.arcs)
     result.arcs = arc_error(result.plan, result.sample_period);
   judge_limits(result);
-  if (result.plan.path.blocks() <= several_plans_max) result.servo = servo_report(result);
+  if (result.plan.path.blocks() <= several_plans_max) result.servo = servo_report(result, machine);
   const FilteredCommand* command = result.plan.command();
   if (command != nullptr && result.plan.path.blocks() <= several_plans_max)
     result.overrides =

@@ -141,7 +141,46 @@ std::vector<Together> together(const DirectMotion& command, const Toolpath& path
   return all;
 }
 
+/// The part of a distance that is across a way.
+long double across(const Place& at, const double* begin, const double* end, std::size_t axes) {
+  long double length = 0.0L, square = 0.0L;
+  for (std::size_t a = 0; a < axes; ++a) length += std::pow(static_cast<long double>(end[a]) - begin[a], 2);
+  // Every pair of axes has a part of the area that both ways span.
+  for (std::size_t a = 0; a < axes; ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const long double area = (static_cast<long double>(at[a]) - begin[a]) * (end[b] - begin[b]) -
+                               (static_cast<long double>(at[b]) - begin[b]) * (end[a] - begin[a]);
+      square += area * area;
+    }
+  }
+  return std::sqrt(square / length);
+}
+
 }  // namespace
+
+std::map<std::uint32_t, double> off_legs(const DirectMotion& motion, const Toolpath& path, int order, int felt) {
+  std::map<std::uint32_t, double> most;
+  std::int64_t from = 0;
+  for (std::size_t first = 0, last = 0; first < path.blocks(); first = ++last) {
+    while (last + 1 < path.blocks() && path.joint[last] == Joint::straight) ++last;
+    const bool end = last + 1 == path.blocks();
+    // Its window begins when the command reaches a joint, and ends a filter's length after the command leaves it.
+    const std::int64_t leaves = end ? std::ssize(motion.position.front()) - 1 : motion.windows[last].last - order - 1;
+    const std::int64_t reached = end ? leaves : motion.windows[last].first;
+    // Only a smooth joint may be passed between two samples; the command does not rest there.
+    const bool between = path.joint[last] == Joint::smooth && leaves == reached + 1;
+    const bool chord = path.inside_arc[first] != 0 || (first > 0 && path.inside_arc[first - 1] != 0);
+    for (std::int64_t k = from; k <= (between ? reached : leaves) && !chord; ++k) {
+      Place at{};
+      for (std::size_t a = 0; a < path.dimensions(); ++a) at[a] = motion.position[a][static_cast<std::size_t>(k)];
+      double& worst = most[path.line[first]];
+      worst = std::max(worst, static_cast<double>(across(at, path.programmed_point(first),
+                                                         path.programmed_point(last + 1), path.dimensions())));
+    }
+    from = (between ? leaves : reached) + felt + 1;
+  }
+  return most;
+}
 
 UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order) {
   return {LimitKind::contour, path.contour_max, motion,

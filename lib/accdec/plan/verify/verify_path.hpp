@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <span>
 
 #include <accdec/plan/verify/used_limits.hpp>
@@ -12,6 +14,11 @@ namespace accdec {
 /// The use of Toolpath::contour_max by the steps of a motion. References are kept.
 /// @param order  of the longest filter of the motion
 UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order);
+
+/// The largest distances of a motion from the lines of straight legs, m, by the line of the program that the leg begins
+/// in: LegError says which samples count. @param order  of the longest filter of the motion  @param felt  as far as
+/// legs before are felt
+std::map<std::uint32_t, double> off_legs(const DirectMotion& motion, const Toolpath& path, int order, int felt);
 
 /// The use of a mode of an axis, wherever the motion goes on evenly or stops, and before every corner of what was left
 /// by then. The oscillator is followed sample by sample from hit to hit of the command, and the taps add up what they

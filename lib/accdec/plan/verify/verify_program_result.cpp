@@ -81,7 +81,7 @@ class CommandCheck {
     check_joints(behind);
     check_limits(motion, behind);
     check_ratings(behind);
-    check_settling(behind);
+    check_servo(behind);
     check_arcs(behind);
     check_vibration();
     describe(motion, time);
@@ -96,13 +96,23 @@ class CommandCheck {
     if (report_.reasons.size() < most_reasons) report_.reasons.push_back(std::move(reason));
   }
 
-  void check_settling(const DirectMotion& motion) {
+  void check_servo(const DirectMotion& motion) {
     if (!result_.servo) return;
     const double recorded = result_.servo->settling, period = result_.sample_period;
     const double found =
         period * static_cast<double>(direct_settling(motion, path_, result_.servo->within * (1.0 + rounding)));
     if (std::abs(recorded - found) > 1.5 * period)
       wrong(fmt::format("servo.settling_s is recorded as {:.9g}, found {:.9g}", recorded, found));
+    if (!result_.servo->legs) return;
+    const int felt = FilterBehind(filter_, machine_, period).felt_order();
+    const std::map<std::uint32_t, double> legs = off_legs(motion, path_, filters_.order_max() + filters_.behind, felt);
+    double most = 0.0;
+    for (const auto& [line, off] : legs) most = std::max(most, off);
+    const auto& [error, line] = *result_.servo->legs;
+    if (!close(error, most, position_rounding))
+      wrong(fmt::format("servo.leg_error_m is recorded as {:.9g}, found {:.9g}", error, most));
+    else if (!legs.contains(line) || !close(legs.at(line), most, position_rounding))
+      wrong(fmt::format("servo.leg_line is recorded as {}, where the motion is not as far off", line));
   }
 
   void check_filter() {

@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/settings_members.hpp>
+#include <accdec/task/filter_in_words.hpp>
+#include <accdec/task/settings_text.hpp>
+
+namespace accdec {
+namespace {
+
+/// See ProgramResult::taps_control.
+constexpr const char* any_taps = "taps";
+
+/// The settings looked at, and the limit that ended the search.
+std::string what_was_tried(const ProgramSettings& settings) {
+  if (settings.complete) return fmt::format("no other of {} settings is planned faster.", settings.members);
+  // Half of --time-limit goes to the search.
+  const std::string ended = settings.search_limit
+                                ? fmt::format(
+                                      "The search ended by its own limit of {:.3g} s; --time-limit {:.0f} "
+                                      "searches twice as long.",
+                                      *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
+                                : "The time limit ended the search; a longer one plans more.";
+  return fmt::format("the fastest of those tried: {} of {}{} settings planned, {} guessed. {}", settings.tried,
+                     settings.members, settings.members >= SettableMembers::most ? " or more" : "", settings.guessed,
+                     ended);
+}
+
+std::string beside_free_taps(const ProgramSettings& settings, double time) {
+  const double free = *settings.free_taps, less = time - free;
+  const std::string taps = free_taps_in_words(settings.control.get());
+  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
+  return fmt::format(" {} would take {:.6g} s ({:.1f} % less) or less.", taps, free, 100.0 * less / time);
+}
+
+std::string beside_today(const ProgramResult& result) {
+  if (!result.today || (result.settings && result.settings->is_today)) return "";
+  const double today = *result.today, saved = today - result.cycle_time;
+  if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
+  std::string text = fmt::format(" Today's setting takes {:.6g} s as planned here; ", today);
+  if (saved > 1e-9 * today)
+    return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
+  return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
+}
+
+/// Taps to set, in the words of the filter that they are; empty: of none.
+std::string taps_in_words(int count, const std::string& filter) {
+  const std::string taps = fmt::format("the {} taps that `accdec export` writes", count);
+  return filter.empty() ? taps : fmt::format("{} ({})", filter, taps);
+}
+
+}  // namespace
+
+std::string program_settings_answer(const ProgramResult& result) {
+  const ProgramSettings& settings = *result.settings;
+  const double time = result.cycle_time;
+  const ChosenSettings& chosen = settings.chosen;
+  std::string text = fmt::format(
+      "{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
+      chosen.family == SettingFamily::taps
+          ? taps_in_words(chosen.filter.full_order() + 1, filter_in_words(chosen.filter, result.sample_period))
+          : settings_in_words(chosen));
+  if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
+  for (const DelayKindName& kind : delay_kinds) {
+    const auto count = std::count(settings.chosen.delays.begin(), settings.chosen.delays.end(), kind.kind);
+    if (count > 0 && kind.kind != DelayKind::continuous)
+      text += fmt::format("; {} at {} joint{}", kind.name, count, count == 1 ? "" : "s");
+  }
+  text += fmt::format(". {:.6g} s for this program, ", time);
+  if (settings.chosen.family == SettingFamily::taps)
+    text += "not proved best.";
+  else
+    text += what_was_tried(settings);
+  if (settings.free_taps) text += beside_free_taps(settings, time);
+  return text + beside_today(result) + assumed_in_words(settings.control.get()) + "\n";
+}
+
+std::string control_of_taps(const Task& task) {
+  if (!task.settings || task.settings->names_family()) return "";
+  const std::string own = task.filter ? filter_in_words(*task.filter, task.sample_period) : "";
+  return task.settings->controller.empty() ? "" : own.empty() ? any_taps : own;
+}
+
+std::string program_taps_answer(const ProgramResult& result) {
+  return fmt::format(
+      "Set these: {}; {} delay{} as `--emit` writes them. {:.6g} s for this program, not proved best.{}\n",
+      taps_in_words(result.plan.set().order() + 1, result.taps_control == any_taps ? "" : result.taps_control),
+      result.delayed, result.delayed == 1 ? "" : "s", result.cycle_time, beside_today(result));
+}
+
+std::string program_answer(const ProgramResult& result) {
+  if (!result.verification.feasible) return "";
+  if (result.settings) return program_settings_answer(result);
+  return result.taps_control.empty() || result.plan.command() == nullptr ? "" : program_taps_answer(result);
+}
+
+}  // namespace accdec
