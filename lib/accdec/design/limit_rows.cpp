@@ -163,6 +163,7 @@ void RowBuilder::affine(std::string name, const Affine& value, nlp::Bound bound)
 
 double RowBuilder::largest(const Affine& form) const {
   if (response_.ideal()) return unlimited;
+  problem_.go_on();
   // Behind a control's smoothing, its own taps are bounded, not those of the filter.
   const double most = response_.prefilter_order() > 0 ? 1.0 : tap_max_;
   return std::max(largest_over_taps(form, b_.order(), most), largest_over_taps(-1.0 * form, b_.order(), most));
@@ -192,9 +193,9 @@ Affine RowBuilder::defined_variable(const std::string& name, const Affine& value
 
 void RowBuilder::bounded(const Axis& axis, const std::string& event, int k, LimitKind kind, const Affine& quantity,
                          const Affine& speed) {
-  const double most = largest(quantity) * (speed.terms.empty() ? speed.constant : largest(speed));
   const auto add = [&](double bound, nlp::Bound scaled) {
-    if (bound == unlimited || one_ * bound > most) return;
+    if (bound == unlimited) return;
+    if (one_ * bound > largest(quantity) * (speed.terms.empty() ? speed.constant : largest(speed))) return;
     std::string name = fmt::format("{} {}, {}, k = {}", to_string(kind), axis.name, event, k);
     if (speed.terms.empty()) {
       affine(std::move(name), speed.constant / bound * quantity, scaled);

@@ -54,6 +54,10 @@ class QuadraticProblem : public nlp::Problem {
   int add_row(std::string name, nlp::Bound bound);
   /// From now on, building ends when `stop` is true.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
+  /// Asks it where no row is added for long. @throws BuildStopped
+  void go_on() const {
+    if (stop_ && stop_()) throw BuildStopped();
+  }
   void add_to_row(int row, const Affine& a);
   /// row += coefficient * left * right
   void add_product(int row, double coefficient, Affine left, Affine right);
@@ -121,10 +125,6 @@ class QuadraticProblem : public nlp::Problem {
   std::vector<Row> rows_;
 
  private:
-  void go_on() const {
-    if (stop_ && stop_()) throw BuildStopped();
-  }
-
   std::string name_ = "quadratic";
   std::function<bool()> stop_;
   std::vector<Variable> variables_;
