@@ -54,6 +54,22 @@ TEST(CoarseDesign, HasShortDelaysWithVeryManyTaps) {
   EXPECT_LT(found->objective(), 1.15 * longer.objective());
 }
 
+/// Behind a servo the tail, not the filter, ends the first leg.
+TEST(CoarseDesign, WaitsForTheTailOfAServo) {
+  const auto at = [](double period, int order_max) {
+    Task task = shipped("corner/acceleration-jerk.toml", period);
+    task.design.order_max = order_max;
+    for (Axis& axis : task.machine.axes) axis.acceleration_max = 2.0, axis.jerk_max = 50.0, axis.servo_gain = 50.0;
+    return task;
+  };
+  const DesignResult longer = design_task(at(2e-3, 50));
+  ASSERT_EQ(longer.status, Status::optimal);
+  const auto found = coarse_design(at(0.25e-3, 400), {}, 20.0);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(verify_result(*found).accepted);
+  EXPECT_LT(found->objective(), 1.08 * longer.objective());
+}
+
 TEST(CoarseDesign, IsForFreeFiltersOfManyTapsOnly) {
   EXPECT_FALSE(coarse_design(shipped("corner/regeneration.toml", 1e-3), {}, 20.0));
   Task smoothed = shipped("corner/regeneration.toml", 0.125e-3);
