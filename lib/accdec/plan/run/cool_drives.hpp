@@ -7,8 +7,8 @@
 
 namespace accdec {
 
-/// Lowers feeds of a plan until no drive is warmer over the program than its rating: all by one factor, or step by step
-/// those that cool most for the time that they cost, whichever plan is faster.
+/// Lowers feeds of a plan until no drive is warmer over the program than its rating. It lowers all by one factor, or
+/// step by step those that cool most for the time that they cost. The faster plan is the result.
 /// @param plan  holds all other limits; changed only if a slower plan does, too
 /// @param check  simulates a plan whose feeds were changed
 /// @return whether it was slowed
