@@ -176,8 +176,8 @@ std::vector<BadLog> bad_logs() {
   const std::vector<std::string> starts_moving(good.begin() + 100, good.end());
   const std::vector<std::string> few(good.begin(), good.begin() + 19);
   return {
-      {"Empty", "", ": ", "has no header; allowed are one time"},
-      {"OnlyAHeader", "t_ms,x_mm\n", ": ", "has no samples"},
+      {"Empty", "", ":1:1: ", "has no header; allowed are one time"},
+      {"OnlyAHeader", "t_ms,x_mm\n", ":1:1: ", "has no samples"},
       {"NoTime", table("y_mm,x_mm", good), ":1:1: ", "the header has no time"},
       {"NoAxis", "t_ms\n0\n1\n", ":1:1: ", "the header has no axis"},
       {"NoUnit", table("t_ms,x", good), ":1:6: ", "column `x` names no known unit"},

@@ -80,7 +80,7 @@ TEST_F(ModesCommand, PositionsAreDifferencedTwice) {
 }
 
 TEST_F(ModesCommand, BrokenLogsAreRefusedWithTheirPlace) {
-  EXPECT_THAT(refused("").output, HasSubstr("has no header; allowed are one time"));
+  EXPECT_THAT(refused("").output, HasSubstr("bad.csv:1:1: has no header; allowed are one time"));
   EXPECT_THAT(refused("# t\n").output, HasSubstr("bad.csv:1:1: has no header"));
   EXPECT_THAT(refused("t,ax\n").output, HasSubstr("bad.csv:1:1: has fewer than three samples"));
   EXPECT_THAT(refused("t,speed\n0,1\n").output, HasSubstr("bad.csv:1:3: column `speed`"));

@@ -27,7 +27,7 @@ struct FoundMode {
   double spread = 0.0;                           ///< largest relative change of the frequency between parts of the log
   int compared = 0;                              ///< parts that show the mode; 0: nothing tells the spread
   double damping_low = 0.0, damping_high = 0.0;  ///< of the whole log and its parts
-  double share = 0.0;                            ///< of the energy of the acceleration, 0 .. 1
+  double share = 0.0;                            ///< of the energy of the acceleration, of the mode alone, 0 .. 1
   Excitation excitation = Excitation::other;
   SweepRange sweep{};
   int jolts = 0;        ///< behind which it was fitted

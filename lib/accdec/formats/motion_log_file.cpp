@@ -42,14 +42,17 @@ class LogReader {
 
   MotionLog read(std::string_view text) {
     for_each_row(text, [&](std::string_view row, long line) {
+      last_line_ = line;
       if (row[row.find_first_not_of(" \t\r")] == '#') return;
       if (columns_.empty())
         header(row, line);
       else
         values(row, line);
     });
-    if (columns_.empty()) throw InputError(name_, 0, 0, fmt::format("has no header; {}", allowed_columns));
-    if (log_.samples() == 0) throw InputError(name_, 0, 0, "has no samples behind its header");
+    if (columns_.empty()) throw InputError(name_, last_line_, 1, fmt::format("has no header; {}", allowed_columns));
+    if (log_.samples() == 0)
+      throw InputError(name_, last_line_, 1,
+                       "has no samples behind its header; needed are those of a move from rest to rest");
     check_pace();
     return std::move(log_);
   }
@@ -142,6 +145,7 @@ class LogReader {
   std::optional<double> begin_;
   double last_ = 0.0;
   long count_ = 0;
+  long last_line_ = 1;  // that is not empty
   std::optional<Uneven> uneven_;
 };
 

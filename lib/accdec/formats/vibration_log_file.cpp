@@ -166,7 +166,7 @@ class VibrationReader {
   std::vector<Column> columns_;
   std::vector<double> times_;
   std::vector<long> lines_;
-  long last_line_ = 0;  // that is not empty
+  long last_line_ = 1;  // that is not empty
   std::vector<std::vector<double>> values_;
 };
 
@@ -229,7 +229,8 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   if (!modes.empty())
     text += fmt::format(
         "# a [[mode]] is within {:g} % of the frequency and {:g} % of the damping, as far as standard errors tell: in\n"
-        "# 99 of 100\n",
+        "# 99 of 100\n"
+        "# the power of a mode is that of it alone: those of modes that overlap may sum up to more than 100 %\n",
         100.0 * promised_frequency, 100.0 * promised_damping);
   for (const ModeCost& cost : costs) {
     if (cost.more)

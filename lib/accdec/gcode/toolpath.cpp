@@ -241,7 +241,8 @@ void Builder::close_joint(const Move& next, double off) {
     if (tolerance < 0.0) {
       fail(last_,
            "the corner at the end of this move has no tolerance; write, in the program before it,\n  G64 P0.01\nor in "
-           "the task\n  [program]\n  error_max_um = 10\n(10 um here: the largest error you accept)");
+           "the task\n  [program]\n  error_max_um = 10\n(10 um here: the largest error you accept)" +
+               std::string(options_.contour_max < unlimited ? "\ncontour_max_um does not replace it: give both" : ""));
     }
     if (tolerance > 0.0 && tolerance < position_floor)
       fail(last_,

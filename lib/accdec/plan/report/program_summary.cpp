@@ -240,6 +240,12 @@ class SummaryText {
     return names;
   }
 
+  /// Feeds are lowered until a rating is kept, and no farther than this.
+  static bool binds(const AxisLoad& load) {
+    constexpr double near = 0.995;
+    return load.rms >= near * load.rms_max && load.rms <= load.rms_max * (1.0 + verification_tolerance);
+  }
+
   void limits() {
     const std::vector<LimitUse>& uses = result_.check.limits;
     if (!uses.empty()) {
@@ -261,7 +267,9 @@ class SummaryText {
       const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);
       put("  {:<14}{:<6}{:>12.6g}{:>12.6g} {}, peak and root mean square over the program{}\n",
           limit_word(LimitKind::force, load.axis), load.axis, per_si * load.peak, per_si * load.rms, unit,
-          load.rms_max < unlimited ? fmt::format(", {:.1f} % of its rating", 100.0 * load.rms / load.rms_max) : "");
+          load.rms_max < unlimited ? fmt::format(", {:.1f} % of its rating{}", 100.0 * load.rms / load.rms_max,
+                                                 binds(load) ? ", which binds" : "")
+                                   : "");
     }
   }
 

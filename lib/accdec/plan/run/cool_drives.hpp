@@ -7,10 +7,8 @@
 
 namespace accdec {
 
-/// The largest root mean square of an axis' force over its rating; 0 without ratings.
-double warmest_drive(const ScheduledPlan& plan, const Filter& filter, double sample_period, const Machine& machine);
-
-/// Lowers all feeds of a plan by one factor, until no drive is warmer over the program than its rating.
+/// Lowers feeds of a plan until no drive is warmer over the program than its rating. It lowers all by one factor, or
+/// step by step those that cool most for the time that they cost. The faster plan is the result.
 /// @param plan  holds all other limits; changed only if a slower plan does, too
 /// @param check  simulates a plan whose feeds were changed
 /// @return whether it was slowed
