@@ -17,8 +17,8 @@ using test::Output;
 using test::ProgramCommand;
 using testing::HasSubstr;
 
-/// A control lists how it may take the ends of blocks. Without a kind that runs on it waits at each, also where the
-/// second and third move meet without a turn, and where the third and fourth turn by less than 20 degrees.
+/// A control lists how it may take the ends of blocks. Without a kind that runs on it waits at each. The second and
+/// third move meet without a turn, the third and fourth turn by less than 20 degrees.
 TEST_F(ProgramCommand, AControlOfOneKindHasNoOther) {
   write("part.ngc", "G21 G90 G64 P0.05 F6000\nG1 X30\nG1 X30 Y30\nG1 Y60\nG1 X33 Y90\nG2 X43 Y100 I10\nM2\n");
   const std::string filter = "[filter]\nkind = \"averages\"\nlengths = [20, 20]\n",
