@@ -190,8 +190,16 @@ TEST_F(ProgramCommand, AnExactStopDoesNotWaitForTheJerkOfBothLegs) {
   EXPECT_THAT(read("out"), HasSubstr("Set these: averages of 20 ms and 20 ms; exact-stop at 2 joints"));
   EXPECT_EQ(run("verify r.json").code, 0) << read("out");
   write("t.toml", period + "[filter]\nkind = \"averages\"\nlengths = [15, 14]\n" + axes);
-  EXPECT_EQ(run(run_kept).code, 1);
-  EXPECT_THAT(read("out"), HasSubstr("the control has no delays with which a plan holds all limits"));
+  // Both legs of the first joint then have v1 + v2 <= L M J T^2, and take the least time at equal feeds.
+  ASSERT_EQ(run(run_kept + " --json r.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("An exact stop lasts until the filter is empty, or a sample longer"));
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+  const nlohmann::json record = nlohmann::json::parse(read("r.json"));
+  const double both = 15 * 14 * 500.0 * 1e-6, least = 0.03 / (0.5 * both);
+  const auto& durations = record["commands"]["duration_s"];
+  EXPECT_NEAR(durations[0].get<double>(), least, 2e-4 * least);
+  EXPECT_NEAR(durations[1].get<double>(), least, 2e-4 * least);
+  for (const int delay : {0, 1}) EXPECT_LE(record["commands"]["delay_samples"][delay].get<int>(), 15 + 14 - 2 + 1);
 }
 
 TEST_F(ProgramCommand, AProgramOfAControlSaysFirstWhatToSet) {

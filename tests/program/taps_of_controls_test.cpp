@@ -28,13 +28,13 @@ TEST_F(ProgramCommand, AControlThatTakesTapsIsToldToSetThem) {
       fmt::format("Set these: the {} taps that `accdec export` writes", record["filter"]["taps"].size());
   EXPECT_EQ(read("out").find(answer), 0U) << read("out");
   EXPECT_THAT(read("r.html"), HasSubstr("Set these: the "));
-  EXPECT_EQ(record["answer"].get<std::string>().find(answer), 0U);
+  EXPECT_EQ(record["settings"]["answer"].get<std::string>().find(answer), 0U);
   EXPECT_EQ(run("verify r.json").code, 0) << read("out");
-  record["answer"] = "Set these: 2 taps.";
+  record["settings"]["answer"] = "Set these: 2 taps.";
   write("forged.json", record.dump());
   const Output forged = run("verify forged.json");
-  EXPECT_EQ(forged.code, 1);
-  EXPECT_THAT(forged.out, HasSubstr("answer is not what the other members say"));
+  EXPECT_NE(forged.code, 0);
+  EXPECT_THAT(forged.err, HasSubstr("settings.answer: is not what the other members say"));
 }
 
 /// A filter that the task gives is set by the times that it was given by, whatever its family.
@@ -60,7 +60,7 @@ TEST_F(ProgramCommand, AGivenFilterIsSetByItsTimes) {
       const bool width = control.starts_with("delays");
       // One width for all corners is more than the shortest filters have.
       if (width && record["status"] == "failed") continue;
-      const std::string answer = (width ? record["settings"] : record)["answer"];
+      const std::string answer = record["settings"]["answer"];
       EXPECT_THAT(answer, testing::StartsWith(fmt::format("Set these: {} that `accdec export` writes", words)));
       const Output verified = run("verify r.json");
       EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
@@ -84,15 +84,17 @@ TEST_F(ProgramCommand, TapsOfAControlAreComparedWithTodaysSetting) {
       write("control.toml", head + "[baseline]\n" + today + filter);
       ASSERT_EQ(run("program part.ngc --task control.toml --json r.json --figure r.html").code, 0) << read("err");
       const auto record = nlohmann::json::parse(read("r.json"));
-      const bool width = control.starts_with("delays");
-      const double time = record["cycle_time_s"], before = (width ? record["settings"] : record)["today_s"];
+      const double time = record["cycle_time_s"], before = record["settings"]["today_s"];
       EXPECT_NEAR(before, old["cycle_time_s"].get<double>(), 1e-9) << control << filter;
-      ASSERT_LT(time, before);
-      const std::string said =
-          fmt::format("Today's setting takes {:.6g} s as planned here; retuning saves {:.4g} s ({:.1f} %).", before,
-                      before - time, 100.0 * (1.0 - time / before));
-      EXPECT_THAT(read("out"), HasSubstr(said));
-      EXPECT_THAT(read("r.html"), HasSubstr("retuning saves"));
+      // Taps designed for any delays need not suit a control that waits in-position at every end.
+      const bool slower = time > before;
+      EXPECT_TRUE(!slower || (filter.empty() && control == "delays = \"in-position\"\n"));
+      const std::string saved =
+          slower ? "it is the faster one, keep it."
+                 : fmt::format("retuning saves {:.4g} s ({:.1f} %).", before - time, 100.0 * (1.0 - time / before));
+      EXPECT_THAT(read("out"),
+                  HasSubstr(fmt::format("Today's setting takes {:.6g} s as planned here; {}", before, saved)));
+      EXPECT_THAT(read("r.html"), HasSubstr(slower ? "it is the faster one" : "retuning saves"));
       const Output verified = run("verify r.json");
       EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
       EXPECT_EQ(record["filter"]["taps"].size() == 29U, !filter.empty()) << "the task's own";
@@ -106,13 +108,14 @@ TEST_F(ProgramCommand, ATimeOfTodayBelowTheBoundOfAnyMotionIsRejected) {
                             "[controller]\nname = \"linuxcnc\"\n[baseline]\nkind = \"averages\"\nlengths = [18, 12]\n");
   ASSERT_EQ(run("program part.ngc --feeds keep --task control.toml --json r.json").code, 0) << read("err");
   nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
-  const std::string answer = record["answer"];
+  const std::string answer = record["settings"]["answer"];
   const double forged = 0.99 * record["lower_bound_s"].get<double>();
-  record["today_s"] = forged;
+  record["settings"]["today_s"] = forged;
   write("forged.json", record.dump());
-  EXPECT_THAT(run("verify forged.json").out, HasSubstr("answer is not what the other members say"));
-  record["answer"] = fmt::format("{} Today's setting takes {:.6g} s as planned here; it is the faster one, keep it.\n",
-                                 answer.substr(0, answer.find(" Today's")), forged);
+  EXPECT_THAT(run("verify forged.json").err, HasSubstr("answer: is not what the other members say"));
+  record["settings"]["answer"] =
+      fmt::format("{} Today's setting takes {:.6g} s as planned here; it is the faster one, keep it.\n",
+                  answer.substr(0, answer.find(" Today's")), forged);
   write("forged.json", record.dump());
   const Output verified = run("verify forged.json");
   EXPECT_EQ(verified.code, 1);
@@ -139,7 +142,7 @@ TEST_F(ProgramCommand, ForgedDelaysOfTapsAreRejected) {
   const auto count = std::count(kinds.begin(), kinds.end(), "corner-feed");
   const std::size_t at = answer.find(fmt::format("; corner-feed at {} joints", count));
   ASSERT_TRUE(count > 2 && at != std::string::npos) << answer;
-  answer.replace(at, answer.find(" joints", at) - at, fmt::format("; dwell at 1 joint; corner-feed at {}", count - 1));
+  answer.replace(at, answer.find(" joints", at) - at, fmt::format("; corner-feed at {}", count - 1));
   forged["settings"]["answer"] = answer;
   write("forged.json", forged.dump());
   const Output verified = run("verify forged.json");

@@ -69,9 +69,8 @@ std::string caps_that_bind(const DesignResult& result) {
   return text;
 }
 
-std::string stops_considered(const DesignResult& result) {
-  const auto& control = result.task.settings;
-  if (!control || control->any_delay() || !control->names(DelayKind::exact_stop)) return "";
+std::string stops_considered(const ControllerSettings* control) {
+  if (control == nullptr || control->any_delay() || !control->names(DelayKind::exact_stop)) return "";
   return " An exact stop lasts until the filter is empty, or a sample longer where a limit asks. Longer ones are not "
          "considered.";
 }

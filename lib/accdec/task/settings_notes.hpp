@@ -12,7 +12,8 @@ namespace accdec {
 std::string caps_that_bind(const DesignResult& result);
 
 /// Which exact stops the proof is about, where no other kind of delay waits longer.
-std::string stops_considered(const DesignResult& result);
+/// @param control  null: none
+std::string stops_considered(const ControllerSettings* control);
 
 /// The limit that today's setting breaks, if none of the control's delays helps.
 std::string limit_broken_today(const DesignResult& result);

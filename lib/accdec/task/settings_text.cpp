@@ -337,7 +337,8 @@ std::string settings_answer(const DesignResult& result) {
                                                         : taps_in_words(result));
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
   text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
-  text += caps_that_bind(result) + stops_considered(result) + feeds_left_out(result) + smoothing_left_out(result);
+  const ControllerSettings* const own = result.task.settings ? &*result.task.settings : nullptr;
+  text += caps_that_bind(result) + stops_considered(own) + feeds_left_out(result) + smoothing_left_out(result);
   text += beside_taps(result) + kinds_not_used(result);
   if (result.savings && result.settings) {
     const double today = result.savings->today, saved = result.savings->total;
@@ -346,8 +347,7 @@ std::string settings_answer(const DesignResult& result) {
                 ? fmt::format("retuning saves {} ({:.1f} %).", milliseconds(saved), 100.0 * saved / today)
                 : "retuning saves nothing.";
   }
-  return text + limit_broken_today(result) + assumed_in_words(result.task.settings ? &*result.task.settings : nullptr) +
-         "\n";
+  return text + limit_broken_today(result) + assumed_in_words(own) + "\n";
 }
 
 }  // namespace accdec

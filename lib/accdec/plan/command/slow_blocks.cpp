@@ -8,6 +8,7 @@
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
+#include <accdec/plan/delays/joint_delays.hpp>
 #include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/task/blend_limits.hpp>
 
@@ -20,10 +21,13 @@ class FeedLimiter {
  public:
   FeedLimiter(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine)
       : path_(path),
+        filter_(filter),
+        period_(sample_period),
         machine_(machine),
         limits_(filter, machine, sample_period),
         programmed_(path.duration),
         binding_(path.blocks()),
+        by_control_(path.blocks(), 0),
         reach_((filter.order() + 2) * sample_period) {}
 
   /// Slows blocks that leave the contour at constant feed. True if anything was.
@@ -49,6 +53,37 @@ class FeedLimiter {
     return slowed;
   }
 
+  /// Slows the legs that meet at joint b, the faster one first, until the control has a delay with which they hold the
+  /// limits. True if anything was.
+  bool slow_to_wait(std::size_t b) {
+    JointDelays joints(path_, filter_, period_, machine_);
+    const double in = path_.length(b) / path_.duration[b], out = path_.length(b + 1) / path_.duration[b + 1];
+    const auto factors = [&](double speed) {
+      return std::array{std::min(1.0, speed / in), std::min(1.0, speed / out)};
+    };
+    const auto holds = [&](double speed) {
+      const auto [before, behind] = factors(speed);
+      path_.joint[b] == Joint::stop ? joints.stop(b, before, behind) : joints.corner(b, before, behind);
+      return joints.take_possible();
+    };
+    double high = std::max(in, out), low = slowest * high;
+    if (holds(high) || !holds(low)) return false;
+    while (high - low > 1e-4 * low) {
+      const double middle = 0.5 * (low + high);
+      (holds(middle) ? low : high) = middle;
+    }
+    const auto [before, behind] = factors(low);
+    std::size_t first = b, last = b + 1;
+    while (first > 0 && !ends_leg(path_, first - 1)) --first;
+    while (last + 1 < path_.blocks() && !ends_leg(path_, last)) ++last;
+    for (std::size_t i = first; i <= last; ++i) {
+      const double factor = i <= b ? before : behind;
+      path_.duration[i] /= factor;
+      if (factor < 1.0) by_control_[i] = 1;
+    }
+    return true;
+  }
+
   /// Length of a filter plus one sample, s.
   double reach() const { return reach_; }
 
@@ -70,7 +105,9 @@ class FeedLimiter {
       if (path_.duration[b] <= programmed_[b]) continue;
       const auto& [kind, axis] = binding_[b];
       const bool of_axis = axis < machine_.axes.size();
-      const std::string name = fmt::format("{}{}", to_string(kind), of_axis ? " " + machine_.axes[axis].name : "");
+      const std::string name =
+          by_control_[b] != 0 ? "all limits with the control's delays"
+                              : fmt::format("{}{}", to_string(kind), of_axis ? " " + machine_.axes[axis].name : "");
       auto entry =
           std::find_if(result.begin(), result.end(), [&](const SlowedFeeds& other) { return other.limit == name; });
       if (entry == result.end()) {
@@ -141,11 +178,16 @@ class FeedLimiter {
     return true;
   }
 
+  static constexpr double slowest = 0.02;  ///< part of the feeds; below, no limit asks for less
+
   Toolpath& path_;
+  const Filter& filter_;
+  double period_;
   const Machine& machine_;
   BlendLimits limits_;
   const std::vector<double> programmed_;
   std::vector<BlendLimits::Binding> binding_;  // of every block
+  std::vector<char> by_control_;               // of every block: whether its joint's delay asked for a lower feed
   double reach_;                               // s
 };
 
@@ -172,6 +214,7 @@ std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, doubl
       }
       slowed = limiter.slow(b, End::stop, reach) || slowed;
       slowed = limiter.slow(b + 1, End::start, reach) || slowed;
+      if (ends_leg(path, b) && !path.control.any()) slowed = limiter.slow_to_wait(b) || slowed;
     }
     if (!slowed) break;
     delays = pairwise_delays(path, filter, sample_period, machine);

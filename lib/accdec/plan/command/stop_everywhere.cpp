@@ -6,6 +6,7 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/task/blend_limits.hpp>
+#include <accdec/task/delay_kinds.hpp>
 
 namespace accdec {
 namespace {
@@ -44,10 +45,13 @@ ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double samp
       length = std::hypot(length, p[n + a] - p[a]);
     }
     if (limits.any()) duration /= limits.start_factor(velocity.data());
-    if (limits.any() && duration < apart * sample_period) duration *= 2.0;
+    const auto had = [&](int least) {
+      return control_delay(path.control, filter, length / duration * sample_period, least);
+    };
+    // The end of a block and the next start may add up if the exact stop of the control is shorter than that.
+    if (limits.any() && (duration < apart * sample_period || !had(apart))) duration *= 2.0;
     if (duration > path.duration[b]) ++slowed;
-    if (b + 1 < path.blocks())
-      delays[b] = control_delay(path.control, filter, length / duration * sample_period, apart).value_or(apart);
+    if (b + 1 < path.blocks()) delays[b] = had(apart).value_or(had(exact_stop_delay(filter)).value_or(apart));
   }
   if (has_mode_of_axis(machine)) part_by_phase(result.path, limits, delays);
   for (const auto& [block, delay] : path.given_delays)

@@ -22,13 +22,23 @@ bool lowered_beside(const Toolpath& path, std::size_t b) {
          (b + 2 < path.blocks() && step(b + 1) && commanded_feed(path, b + 2) > commanded_feed(path, b + 1));
 }
 
+/// The kind with which the control runs on: of no samples, if it lists no other. Points inside arcs are no ends of
+/// blocks, so that every control is continuous there.
+DelayKind kind_without_wait(const ControlDelays& control) {
+  for (const DelayKind kind : {DelayKind::continuous, DelayKind::dwell, DelayKind::timed_axis}) {
+    if (control.names(kind)) return kind;
+  }
+  return DelayKind::continuous;
+}
+
 /// Takes the command and finds how the control holds it back at each joint.
 class DelaySink {
  public:
   DelaySink(const Toolpath& path, const Filter& filter, const std::vector<int>& delays)
       : path_(path), filter_(filter), apart_(exact_stop_delay(filter)) {
-    found_.kinds.assign(path.blocks(), DelayKind::continuous);
+    found_.kinds.assign(path.blocks(), kind_without_wait(path.control));
     found_.delays = delays;
+    if (waits_at_ends(path.control)) found_.kinds.back() = path.control.kinds.front();
     std::copy_n(path.point(0), path.dimensions(), start_.begin());
   }
 
@@ -46,7 +56,7 @@ class DelaySink {
     const int delay = found_.delays[b];
     const bool passed = !ends_leg(path_, b) && delay == 0;
     if (passed || path_.joint[b] == Joint::stop) {
-      found_.kinds[b] = passed ? DelayKind::continuous : DelayKind::exact_stop;
+      if (!passed) found_.kinds[b] = DelayKind::exact_stop;
       return;
     }
     found_.kinds[b] = kind(b, delay);

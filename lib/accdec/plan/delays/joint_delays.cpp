@@ -92,7 +92,8 @@ int JointDelays::of_control(int delay) {
   for (;;) {
     delay = within_limits(delay);
     const auto given = control_delay(path_.control, filter_, step, delay);
-    if (!given && path_.control.names(DelayKind::exact_stop)) possible_ = false;
+    const bool waits = path_.control.names(DelayKind::exact_stop) || path_.control.width > 0.0;
+    if (!given && waits) possible_ = false;
     if (given.value_or(delay) == delay) return delay;
     delay = *given;
   }
@@ -102,9 +103,9 @@ int JointDelays::exact_stop() const {
   return exact_stop_delay(filter_);
 }
 
-int JointDelays::stop(std::size_t b) {
-  load(b, 1.0, in_, speed_in_);
-  load(b + 1, 1.0, out_, speed_out_);
+int JointDelays::stop(std::size_t b, double factor_in, double factor_out) {
+  load(b, factor_in, in_, speed_in_);
+  load(b + 1, factor_out, out_, speed_out_);
   // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
   const int least =
       !behind_.ideal() && path_.tolerance[b] < unlimited ? std::max(exact_stop(), within_tolerance(b)) : exact_stop();

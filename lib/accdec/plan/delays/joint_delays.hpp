@@ -22,15 +22,15 @@ class JointDelays {
  public:
   JointDelays(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine);
 
-  /// The delay of a stop, or of a corner taken as one.
-  int stop(std::size_t b);
+  /// The delay of a stop, or of a corner taken as one. Factors as for a corner.
+  int stop(std::size_t b, double factor_in = 1.0, double factor_out = 1.0);
   /// @param factor_in, factor_out  by which the feeds of both blocks are lowered to whole samples
   int corner(std::size_t b, double factor_in, double factor_out);
   /// The delay of a smooth or straight joint.
   int smooth(std::size_t b);
 
-  /// Whether no joint so far breaks a limit even where its legs do not overlap, or asks its control for an exact stop
-  /// that lasts longer than the control's.
+  /// Whether no joint so far breaks a limit even where its legs do not overlap, or asks its control for a longer
+  /// exact stop or in-position than it has.
   bool limits_possible() const { return possible_; }
   /// The same since the last call of this.
   bool take_possible() { return std::exchange(possible_, true); }

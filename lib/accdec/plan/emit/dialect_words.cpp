@@ -13,6 +13,7 @@ DialectWords::DialectWords(const ProgramResult& result, bool wanted) : period_(r
   const ControllerSettings& control = *result.settings->control;
   if (!control.from_file) return;
   require_dialect(control);
+  if (control.dialect == nullptr) return;
   control_ = &control;
 }
 

@@ -12,17 +12,16 @@
 #include <accdec/plan/emit/emit.hpp>
 #include <accdec/plan/emit/emitted_lines.hpp>
 #include <accdec/plan/emit/timed_moves.hpp>
+#include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/program.hpp>
 #include <accdec/task/delay_kinds.hpp>
-#include <accdec/task/settings_text.hpp>
 
 namespace accdec {
 namespace {
 
 /// As a remark can hold them, without parentheses.
-std::string words_to_set(const ProgramSettings& settings) {
-  std::string text = settings_in_words(settings.chosen);
-  if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
+std::string words_to_set(const ProgramResult& result) {
+  std::string text = program_settings_in_words(result);
   std::replace(text.begin(), text.end(), '(', '[');
   std::replace(text.begin(), text.end(), ')', ']');
   return text;
@@ -110,7 +109,7 @@ class Emission {
     line("{}", words_.remark(fmt::format("(planned for a filter of {} taps at T = {} ms)",
                                          result_.plan.set().order() + 1, plain_number(period, 6))));
     if (words_.used()) {
-      line("{}", words_.remark(fmt::format("{}{})", set_remark, words_to_set(*result_.settings))));
+      line("{}", words_.remark(fmt::format("{}{})", set_remark, words_to_set(result_))));
       if (slowed_rapids) line("{}", words_.remark(fmt::format("{} where the plan runs them slower)", slowed_remark)));
       for (const std::string& words : words_.begin()) line("{}", words);
       return position();
@@ -121,7 +120,7 @@ class Emission {
       line(
           "(G4 without an exact stop before it holds the command back, ahead of the filter: the axes need not come to "
           "rest)");
-    if (result_.settings) line("{}{})", set_remark, words_to_set(*result_.settings));
+    if (result_.settings) line("{}{})", set_remark, words_to_set(result_));
     if (result_.settings && result_.settings->chosen.width)
       line("{} the next block starts as soon as the axes are within the in-position width of the block's end)",
            in_position_remark);

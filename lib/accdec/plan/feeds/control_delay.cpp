@@ -25,9 +25,28 @@ bool runs_on(const ControlDelays& control) {
   return !control.any() && !control.names(DelayKind::exact_stop) && !control.names(DelayKind::in_position);
 }
 
+bool waits_at_ends(const ControlDelays& control) {
+  return !control.any() && !control.names(DelayKind::continuous);
+}
+
+void mark_waits(Toolpath& path, const ControlDelays& control) {
+  if (!waits_at_ends(control)) return;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (!ends_leg(path, b) && path.inside_arc[b] == 0) path.joint[b] = Joint::corner;
+  }
+}
+
+void give_control(Toolpath& path, const ControlDelays& control) {
+  path.control = control;
+  mark_waits(path, control);
+}
+
 bool limits_taps(const ControllerSettings& control) {
-  return !control.names_family() && !control.any_delay() &&
-         (control.names(DelayKind::in_position) || control.names(DelayKind::corner_feed));
+  return !control.names_family() && !control.any_delay();
+}
+
+bool has_settings(const ControllerSettings& control) {
+  return control.names_family() || !control.delays.empty();
 }
 
 void require_planned_taps(const ControllerSettings& control) {

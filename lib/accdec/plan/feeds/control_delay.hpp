@@ -20,8 +20,19 @@ ControlDelays planned_control(const ControllerSettings& settings, double width);
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.
 bool runs_on(const ControlDelays& control);
 
-/// Whether a control of free taps has only some delays: one in-position width, or lower feeds at corners.
+/// Whether the control waits at the end of every block, with a turn or without: it has no kind that runs on. A block
+/// then has one feed, as each step of it would end a block.
+bool waits_at_ends(const ControlDelays& control);
+/// The ends of blocks at which such a control waits, as corners. Points inside arcs are no ends.
+/// @param path  as it was read
+void mark_waits(Toolpath& path, const ControlDelays& control);
+/// The same, and its delays for the path.
+void give_control(Toolpath& path, const ControlDelays& control);
+
+/// Whether a control of free taps has only some delays.
 bool limits_taps(const ControllerSettings& control);
+/// Whether a program's answer is what to set and the kind of each delay.
+bool has_settings(const ControllerSettings& control);
 
 /// @throws std::invalid_argument for free taps beside other families
 void require_planned_taps(const ControllerSettings& control);

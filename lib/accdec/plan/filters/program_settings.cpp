@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/task/filter_in_words.hpp>
+#include <accdec/task/settings_notes.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -46,6 +48,19 @@ std::string beside_today(const ProgramResult& result) {
   return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
 }
 
+/// How many joints have a delay of a kind. One of no samples is none.
+std::size_t joints_with(const ProgramResult& result, DelayKind kind) {
+  const std::vector<DelayKind>& kinds = result.settings->chosen.delays;
+  const FilteredCommand* command = result.plan.command();
+  const bool any = kind == DelayKind::dwell || kind == DelayKind::timed_axis;
+  std::size_t count = 0;
+  for (std::size_t b = 0; b + 1 < kinds.size(); ++b) {
+    const bool none = any && command != nullptr && b < command->delays.size() && command->delays[b] == 0;
+    count += kinds[b] == kind && !none ? 1 : 0;
+  }
+  return count;
+}
+
 /// Taps to set, in the words of the filter that they are; empty: of none.
 std::string taps_in_words(int count, const std::string& filter) {
   const std::string taps = fmt::format("the {} taps that `accdec export` writes", count);
@@ -54,18 +69,22 @@ std::string taps_in_words(int count, const std::string& filter) {
 
 }  // namespace
 
+std::string program_settings_in_words(const ProgramResult& result) {
+  const ChosenSettings& chosen = result.settings->chosen;
+  const std::string text =
+      chosen.family == SettingFamily::taps
+          ? taps_in_words(chosen.filter.full_order() + 1, filter_in_words(chosen.filter, result.sample_period))
+          : settings_in_words(chosen);
+  return text + (chosen.width ? "; " + width_in_words(*chosen.width) : "");
+}
+
 std::string program_settings_answer(const ProgramResult& result) {
   const ProgramSettings& settings = *result.settings;
   const double time = result.cycle_time;
-  const ChosenSettings& chosen = settings.chosen;
-  std::string text = fmt::format(
-      "{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
-      chosen.family == SettingFamily::taps
-          ? taps_in_words(chosen.filter.full_order() + 1, filter_in_words(chosen.filter, result.sample_period))
-          : settings_in_words(chosen));
-  if (settings.chosen.width) text += "; " + width_in_words(*settings.chosen.width);
+  std::string text = fmt::format("{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
+                                 program_settings_in_words(result));
   for (const DelayKindName& kind : delay_kinds) {
-    const auto count = std::count(settings.chosen.delays.begin(), settings.chosen.delays.end(), kind.kind);
+    const std::size_t count = joints_with(result, kind.kind);
     if (count > 0 && kind.kind != DelayKind::continuous)
       text += fmt::format("; {} at {} joint{}", kind.name, count, count == 1 ? "" : "s");
   }
@@ -74,6 +93,9 @@ std::string program_settings_answer(const ProgramResult& result) {
     text += "not proved best.";
   else
     text += what_was_tried(settings);
+  text += stops_considered(settings.control.get());
+  if (settings.control != nullptr && waits_at_ends(control_of(*settings.control, 0.0)))
+    text += " The control waits at the end of every block, with a turn or without: no block has two feeds.";
   if (settings.free_taps) text += beside_free_taps(settings, time);
   return text + beside_today(result) + assumed_in_words(settings.control.get()) + "\n";
 }

@@ -6,6 +6,9 @@
 
 namespace accdec {
 
+/// The settings and the in-position width, to be set. @param result  with settings
+std::string program_settings_in_words(const ProgramResult& result);
+
 /// The answer for the user of a control: what to set, the time and what was looked at, the saving against today.
 /// @param result  with settings; of its plan, the time
 std::string program_settings_answer(const ProgramResult& result);

@@ -11,6 +11,7 @@
 #include <accdec/bounds/filter_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
@@ -139,6 +140,7 @@ RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, 
 
 RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
   ProgramResult result = record.result;
+  if (programmed && result.settings && record.task.settings) mark_waits(*programmed, result.plan.path.control);
   if (programmed) take_arcs(result.plan.path, *programmed);
   ProgramResultCheck check = verify_program_result(result, record.task, record.filters);
   check.found.task_machine = record.task.machine;

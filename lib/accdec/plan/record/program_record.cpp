@@ -52,10 +52,11 @@ class Reader {
     read_program_today(json_, r);
     record_.commands = json_.has("commands") && json_.has("inputs");
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
-    if (r.settings && record_.task.settings) {
-      const auto& width = r.settings->chosen.width;
-      r.plan.path.control = planned_control(*record_.task.settings, width ? width->middle() : 0.0);
+    if (record_.task.settings) {
+      const bool width = r.settings && r.settings->chosen.width;
+      r.plan.path.control = planned_control(*record_.task.settings, width ? r.settings->chosen.width->middle() : 0.0);
     }
+    if (r.settings && record_.commands) check_settings_answer(json_["settings"], r);
     set_behind_response();
     if (record_.commands && r.sample_period != record_.task.sample_period)
       json_["sample_period_s"].fail("is not that of the task in it");

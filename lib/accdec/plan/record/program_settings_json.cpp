@@ -104,6 +104,9 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
       settings.chosen.delays.push_back(*kind);
     }
   }
+}
+
+void check_settings_answer(const Value& json, const ProgramResult& result) {
   if (json["answer"].text() != program_settings_answer(result))
     json["answer"].fail("is not what the other members say");
 }

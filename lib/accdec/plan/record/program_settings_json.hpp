@@ -22,5 +22,7 @@ nlohmann::ordered_json program_settings_to_json(const ProgramResult& result);
 /// Reads what `program_settings_to_json` wrote into the result. The filter of the settings stays empty: the result has
 /// its taps. @param task  of the record @throws Mistake for what it never writes
 void read_program_settings(const Value& json, const Task& task, ProgramResult& result);
+/// Holds the answer in words against the result, whose commands have been read. @throws Mistake where it says another
+void check_settings_answer(const Value& json, const ProgramResult& result);
 
 }  // namespace accdec

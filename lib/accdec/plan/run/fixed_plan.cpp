@@ -64,11 +64,22 @@ ProgramFilter taps_for_program(const Toolpath& path, const Task& task, const Pro
   return designed;
 }
 
+/// Those asked for. A control that waits at the end of every block has one feed a block.
+Feeds feeds_of(const Task& task, const ProgramFileOptions& options) {
+  return task.settings && waits_at_ends(control_of(*task.settings, 0.0)) ? Feeds::keep : options.fixed.feeds;
+}
+
+void mark_waits(Toolpath& path, const Task& task) {
+  if (task.settings) mark_waits(path, control_of(*task.settings, 0.0));
+}
+
 /// As taps_for_program; settings if the task's control has families, and for taps whose control has only some delays.
 ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const ProgramFileOptions& options,
                                  const Tell& tell) {
   const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
-  const bool keep = options.fixed.feeds == Feeds::keep;
+  ProgramFileOptions own = options;
+  own.fixed.feeds = feeds_of(task, options);
+  const bool keep = own.fixed.feeds == Feeds::keep;
   const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
   if (task.settings && task.settings->names_family() && !emitted_one) {
     const double limit = filter_seconds(path, options);
@@ -79,13 +90,15 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
     if (own && choice.settings && !choice.settings->complete) choice.settings->search_limit = limit;
     return choice;
   }
-  if (!task.settings || !limits_taps(*task.settings) || emitted_one) return taps_for_program(path, task, options, tell);
+  const bool of_taps = task.settings && !task.settings->names_family() && has_settings(*task.settings) &&
+                       !(emitted_one && limits_taps(*task.settings) && task.settings->names(DelayKind::in_position));
+  if (!of_taps) return taps_for_program(path, task, options, tell);
   ProgramFilter choice;
   choice.message = corner_without_stop(path, task);
   if (!choice.message.empty()) return choice;
   Task any = task;
   any.settings.reset();
-  choice = taps_for_program(path, any, options, tell);
+  choice = taps_for_program(path, any, own, tell);
   if (choice.filter)
     choice.settings = {.chosen = taps_to_set(task, *choice.filter),
                        .width = width_for_program(path, task, *choice.filter, keep, until())};
@@ -94,7 +107,8 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
 
 /// The delays that the task's control has.
 void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
-  if (task.settings) path.control = planned_control(*task.settings, choice.settings ? choice.settings->width : 0.0);
+  if (task.settings)
+    give_control(path, planned_control(*task.settings, choice.settings ? choice.settings->width : 0.0));
 }
 
 /// The time at the programmed feeds, and those of other rules for delays at these feeds.
@@ -164,11 +178,11 @@ void say_today(ProgramResult& result, const Toolpath& programmed, const Task& ta
   const Deadline end = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
   const Deadline until = short_one ? with_one_plan(end) : end;
   Toolpath path = programmed;
-  path.control = planned_control(
-      *task.settings, width_for_program(programmed, task, filter, options.fixed.feeds == Feeds::keep, until));
+  const Feeds feeds = feeds_of(task, options);
+  const double width = width_for_program(programmed, task, filter, feeds == Feeds::keep, until);
+  give_control(path, planned_control(*task.settings, width));
   const Deadline deadline = short_one ? with_one_plan(options.deadline) : options.deadline;
-  const ProgramResult plan =
-      run_program({result.program, std::move(path), task, options.fixed.feeds, deadline}, filter);
+  const ProgramResult plan = run_program({result.program, std::move(path), task, feeds, deadline}, filter);
   const double time = plan.verification.feasible ? plan.cycle_time : unlimited;
   // A plan that was cut short says little of the setting, unless it is the faster one.
   if (!deadline.over() || time < result.cycle_time) result.today = time;
@@ -177,10 +191,10 @@ void say_today(ProgramResult& result, const Toolpath& programmed, const Task& ta
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
 ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const Task& task,
                            const ProgramFileOptions& options) {
-  const bool finer = options.fixed.feeds == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
+  const Feeds asked = feeds_of(task, options);
+  const bool finer = asked == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
-  const bool kept = options.fixed.feeds == Feeds::choose && choice.designed &&
-                    file.path.blocks() <= several_plans_max &&
+  const bool kept = asked == Feeds::choose && choice.designed && file.path.blocks() <= several_plans_max &&
                     (!options.fixed.compensate_arcs || file.path.arcs.empty());
   const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
   const Toolpath programmed = says ? file.path : Toolpath{};
@@ -195,10 +209,10 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
     return planned;
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
-  const bool widen = options.fixed.feeds == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();
+  const bool widen = asked == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();
   std::optional<ProgramFile> straight;
   if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
-  const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : options.fixed.feeds;
+  const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : asked;
   ProgramResult result = plan(std::move(file), finer ? Feeds::choose_only : feeds);
   double planning = result.solver.wall_time;
   if (finer && !options.deadline.over()) {
@@ -256,11 +270,13 @@ ProgramResult keep_today(ProgramResult result, ProgramFilter choice, const Progr
   const auto today = choice.settings->today;
   if (!today || result.settings->is_today || !(result.today.value_or(unlimited) < result.cycle_time)) return result;
   const Deadline until = with_one_plan(options.deadline);
-  const bool keep = options.fixed.feeds == Feeds::keep;
+  const bool keep = feeds_of(task, options) == Feeds::keep;
   choice.settings->chosen = *today;
   choice.filter = make_filter(today->filter), choice.plan = {};
-  choice.settings->width = width_for_program(file.path, task, *choice.filter, keep, until);
-  ProgramResult kept = plan_as_read(file, choice, task, options);
+  ProgramFile again = file;
+  mark_waits(again.path, task);
+  choice.settings->width = width_for_program(again.path, task, *choice.filter, keep, until);
+  ProgramResult kept = plan_as_read(std::move(again), choice, task, options);
   return kept.verification.feasible && kept.cycle_time < result.cycle_time ? kept : result;
 }
 
@@ -274,6 +290,9 @@ std::string compensation_note(const ProgramResult& plain, const ProgramResult& w
 
 /// With the filter that suits the program as it was read.
 ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options, const Tell& tell) {
+  const bool compared = task.settings && task.settings->names_family() && file.path.blocks() <= several_plans_max;
+  const ProgramFile read = compared ? file : ProgramFile{};
+  mark_waits(file.path, task);
   const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
   if (!choice.filter) {
     ProgramResult none;
@@ -284,8 +303,7 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
     return none;
   }
   if (tell) tell("planning and simulating");
-  const bool settings = choice.settings && task.settings->names_family() && file.path.blocks() <= several_plans_max;
-  const ProgramFile read = settings ? file : ProgramFile{};
+  const bool settings = choice.settings && compared;
   ProgramResult result = plan_as_read(std::move(file), choice, task, options);
   if (settings && !result.plan.empty()) result = keep_today(std::move(result), choice, read, task, options);
   if (settings && !result.plan.empty() && !options.deadline.over())

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <accdec/bounds/filter_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/files.hpp>
@@ -49,6 +51,13 @@ std::vector<int> with_least_stops(const Toolpath& path, std::vector<int> delays,
 
 double seconds_of(const ProgramPlan& plan, double sample_period) {
   return static_cast<double>(plan.simulation.samples) * sample_period;
+}
+
+/// The rule of the control's exact stops, and the limit that they break at the programmed feeds.
+std::string stop_that_breaks(const ProgramResult& result, int order) {
+  if (!result.plan.path.control.names(DelayKind::exact_stop) || result.exact_stop_breaks.empty()) return "";
+  return fmt::format(": its exact stop lasts {} samples until the filter is empty, or one longer, which breaks {}",
+                     order, result.exact_stop_breaks);
 }
 
 /// Makes the plan of the result: the fastest requested plan that holds.
@@ -333,7 +342,8 @@ ProgramResult run_program(PlanningProblem problem, const Filter& filter, const K
   if (!planning.delays_had()) {
     result.verification.feasible = false;
     result.status = Status::failed;
-    result.message = "the control has no delays with which a plan holds all limits";
+    result.message = "the control has no delays with which a plan holds all limits" +
+                     stop_that_breaks(result, exact_stop_delay(result.plan.filter()));
   }
   say_what_ended(result, problem.deadline);
   result.solver.method = "given";

@@ -49,7 +49,7 @@ class DelayKindsCheck {
     bool in_position = false;
     for (std::size_t b = 0; b + 1 < path_.blocks(); ++b) {
       const bool passed = !ends_leg(path_, b) && command_.delays[b] == 0;
-      if (passed && chosen.delays[b] != DelayKind::continuous)
+      if (passed && !runs_on(b, chosen.delays[b]))
         wrong(fmt::format("line {}: settings.delays names {} where the control runs on", path_.line[b],
                           to_string(chosen.delays[b])));
       if (path_.joint[b] == Joint::stop) check_stop(b);
@@ -76,10 +76,20 @@ class DelayKindsCheck {
   }
   int apart() const { return filter_.order(); }
 
+  /// Whether a kind passes the end of block b without a wait. Points inside arcs are no ends.
+  bool runs_on(std::size_t b, DelayKind kind) const {
+    if (kind == DelayKind::continuous && path_.inside_arc[b] != 0) return true;
+    const bool none = kind == DelayKind::continuous || kind == DelayKind::dwell || kind == DelayKind::timed_axis;
+    return none && allows(kind);
+  }
+  bool allows(DelayKind kind) const {
+    return task_.settings->names(kind) ||
+           (kind == DelayKind::continuous && task_.settings->names(DelayKind::corner_feed));
+  }
+
   void check_kind(const DirectMotion& motion, std::size_t b, DelayKind kind) {
-    const auto allowed = control_of(*task_.settings, 0.0).kinds;
     const int delay = command_.delays[b];
-    if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end())
+    if (!allows(kind))
       wrong(fmt::format("line {}: the control has no delay of kind {}", path_.line[b], to_string(kind)));
     if ((kind == DelayKind::continuous && delay != 0) ||
         (kind == DelayKind::exact_stop && (delay < apart() || delay > apart() + exact_stop_more)))

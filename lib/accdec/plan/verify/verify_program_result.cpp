@@ -117,7 +117,7 @@ class CommandCheck {
 
   void check_filter() {
     const bool families = task_.settings && task_.settings->names_family();
-    const bool taps = task_.settings && limits_taps(*task_.settings);
+    const bool taps = task_.settings && !families && has_settings(*task_.settings);
     if (result_.today.value_or(unlimited) < result_.lower_bound * (1.0 - rounding))
       wrong("today_s is below the bound of any motion");
     if (result_.settings && !families && !taps) return wrong("settings are recorded, the task asks for none");
