@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <accdec/design/verify_today.hpp>
 #include <accdec/files.hpp>
 #include <accdec/files/output_files.hpp>
 #include <accdec/files/shown_text.hpp>
@@ -99,6 +100,8 @@ void add_verify(CLI::App& app, Context& context) {
                    check.verification.worst.empty() ? "none" : check.verification.worst);
       }
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
+      if (result.savings && !knows_delays_of_today(result.task))
+        fmt::print("savings.today_s was found again by the search of designs itself, not by a second method\n");
       fmt::print("not checked, because it cannot be recomputed: message, stop, solver{}{}\n",
                  result.savings && result.savings->by_family ? ", the parts of savings" : "",
                  result.free_taps ? ", free_taps_s between its bound and the time of the settings" : "");

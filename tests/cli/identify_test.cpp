@@ -174,6 +174,9 @@ std::vector<BadLog> bad_logs() {
   gap.erase(gap.begin() + 100, gap.begin() + 103);
   const std::vector<std::string> ends_moving(good.begin(), good.begin() + 150);
   const std::vector<std::string> starts_moving(good.begin() + 100, good.end());
+  std::vector<std::string> slower;
+  for (std::size_t k = 0; k < good.size(); ++k)
+    slower.push_back(fmt::format("{:.2f}{}", 1.05 * static_cast<double>(k), good[k].substr(good[k].find(','))));
   const std::vector<std::string> few(good.begin(), good.begin() + 19);
   return {
       {"Empty", "", ":1:1: ", "has no header; allowed are one time"},
@@ -195,6 +198,8 @@ std::vector<BadLog> bad_logs() {
       {"TimeStandsStill", with(30, good[29]), ":32:1: ", "allowed are rising times"},
       {"TimeGoesBack", with(30, "3,1"), ":32:1: ", "allowed are rising times"},
       {"SamplesMissing", table("t_ms,x_mm", gap), ":102:1: ", "4 ms after the one before; allowed is the task's"},
+      {"OfAnotherPeriod", table("t_ms,x_mm", slower), ": ",
+       "samples are 1.05 ms apart, the task's sample period is 1 ms; allowed are"},
       {"TimeInSeconds", table("t_s,x_mm", good), ":3:1: ", "1000 times as long: is the unit of the time right?"},
       {"TimeInMicroseconds", table("t_us,x_mm", good), ":3:1: ", "0.001 times as long: is the unit of the time right?"},
       {"WayInMetres", table("t_ms,x_m", good), ": ", "100 m/s; allowed are 20 m/s: are the units of the positions"},

@@ -265,6 +265,11 @@ TEST(Settings, SavingsAreFoundAgain) {
   const Savings saved = *result.savings;
   result.savings->today += 1e-3, result.savings->total += 1e-3;
   EXPECT_THAT(verify_result(result).reasons, ::testing::Contains(HasSubstr("savings.today_s is recorded as 0.078")));
+  result.savings.reset();
+  EXPECT_THAT(verify_result(result).reasons, ::testing::Contains(HasSubstr("today's filter the task takes 0.077 s")));
+  result.savings = saved;
+  result.savings->today -= 1e-3, result.savings->total -= 1e-3;
+  EXPECT_THAT(verify_result(result).reasons, ::testing::Contains(HasSubstr("savings.today_s is recorded as 0.076")));
   result.savings = saved, result.savings->by_retuning = saved.total;
   EXPECT_FALSE(verify_result(result).accepted);
 }

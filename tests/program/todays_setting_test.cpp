@@ -36,11 +36,40 @@ TEST_F(ProgramCommand, AShortTimeLimitRecommendsNothingSlowerThanTodaysSetting) 
       const nlohmann::json record = nlohmann::json::parse(read("r.json"));
       const double time = record["cycle_time_s"], now = record["settings"]["today_s"];
       EXPECT_LE(time, now * (1.0 + 1e-9)) << today << feeds;
-      EXPECT_THAT(read("out"), StartsWith(time < now * (1.0 - 1e-9) ? "Set these: " : "Keep today's setting: "));
+      const std::string kept = record["settings"]["tried"] == 1
+                                   ? "The time was too short for an answer. Today's setting: "
+                                   : "Keep today's setting: ";
+      EXPECT_THAT(read("out"), StartsWith(time < now * (1.0 - 1e-9) ? "Set these: " : kept));
       const Output verified = run("verify r.json");
       EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
     }
   }
+}
+
+/// One plan is no search. A proof that no other setting is faster may need no other plan.
+TEST(ProgramAnswer, AdvisesNothingWithoutASearch) {
+  ProgramResult result;
+  result.cycle_time = 10.0;
+  ProgramSettings& settings = result.settings.emplace();
+  settings.chosen = {.family = SettingFamily::averages, .values = {{"", 9.0, "ms"}}};
+  settings.members = 40400, settings.tried = 1, settings.guessed = 1, settings.is_today = true;
+  EXPECT_THAT(program_settings_answer(result),
+              StartsWith("The time was too short for an answer. Today's setting: one average of 9 ms. 10 s for this "
+                         "program, the only one tried: 1 of 40400 settings planned, 1 guessed. "));
+  settings.tried = 2;
+  EXPECT_THAT(program_settings_answer(result), StartsWith("Keep today's setting: "));
+  settings.tried = 1, settings.complete = true;
+  EXPECT_THAT(program_settings_answer(result), StartsWith("Keep today's setting: "));
+}
+
+/// 0.026 of 65.772 s are 0.0395 %.
+TEST(ProgramAnswer, NamesSmallPartsByTheirFirstDigit) {
+  ProgramResult result;
+  result.cycle_time = 65.772;
+  ProgramSettings& settings = result.settings.emplace();
+  settings.chosen = {.family = SettingFamily::averages, .values = {{"", 9.0, "ms"}}};
+  settings.free_taps = 65.746;
+  EXPECT_THAT(program_settings_answer(result), HasSubstr("would take 65.746 s (0.04 % less) or less."));
 }
 
 /// A search without --time-limit has a limit of its own. Half of --time-limit goes to a search.

@@ -6,6 +6,7 @@
 #include <accdec/certificate.hpp>
 #include <accdec/design/design_settings.hpp>
 #include <accdec/design/verify_settings.hpp>
+#include <accdec/design/verify_today.hpp>
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/task/check_delays.hpp>
 #include <accdec/verify.hpp>
@@ -332,9 +333,9 @@ void check_proof(const DesignResult& result, ResultCheck& report, const std::fun
   report.proof = "every smaller delay breaks a limit";
 }
 
-/// The time with today's filter and its smallest delays is found again. The parts come from a table that is not
-/// recorded: they must have the sum.
+/// The time with today's filter is found again. The parts come from a table that is not recorded: their sum is checked.
 void check_savings(const DesignResult& result, std::vector<std::string>& reasons) {
+  check_savings_recorded(result, reasons);
   if (!result.savings) return;
   const Savings& saved = *result.savings;
   if (!result.task.baseline) return reasons.push_back("savings are recorded, the task names no filter of today");
@@ -346,6 +347,7 @@ void check_savings(const DesignResult& result, std::vector<std::string>& reasons
   Comparison compare(reasons);
   compare.number("savings.today_s", saved.today, again.savings->today, 0.0);
   compare.number("savings.total_s", saved.total, again.savings->total, floor);
+  check_time_of_today(result.task, saved.today, reasons);
   if (result.settings && (saved.by_retuning || saved.by_family || saved.by_taps))
     reasons.push_back("savings of settings have no parts");
   if (saved.by_family && saved.by_taps)

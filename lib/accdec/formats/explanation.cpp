@@ -198,11 +198,12 @@ std::string explanation_text(const Explanation& e, bool samples) {
     for (const CornerResult& corner : e.base.corners) delays.push_back(corner.delay);
     const bool whole = e.base.task.design.objective == Objective::cycle;
     text += fmt::format(
-        "{} of {} ms, order {}, delay{} {}: {}.\n", whole ? "Cycle time" : "Corner times", shown_ms(e.base.objective()),
-        e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
+        "{} of {} ms, order {}, delay{} {}: {}.{}\n", whole ? "Cycle time" : "Corner times",
+        shown_ms(e.base.objective()), e.base.filter->order(), delays.size() == 1 ? "" : "s", delays_text(delays),
         e.base_proved ? e.base.settings ? proved_best_in_words(*e.base.task.settings) : "proved to be the shortest"
         : e.base.lower_bound ? fmt::format("not below {} ms is proved", shown_ms(*e.base.lower_bound))
-                             : "nothing is proved");
+                             : "nothing is proved",
+        assumed_in_words(e.base.settings ? &*e.base.task.settings : nullptr));
     text += gain_text(e) + "\n" + binding_text(e, samples);
   }
   const ExplanationWords words = explanation_words(e);

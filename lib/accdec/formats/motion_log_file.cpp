@@ -118,8 +118,8 @@ class LogReader {
 
   /// A wrong unit is said as such: it makes all steps wrong.
   void check_pace() const {
-    if (!uneven_) return;
     const double mean = count_ > 1 ? (last_ - *begin_) / (count_ - 1) : 0.0;
+    if (!uneven_) return check_mean(mean);
     std::string hint;
     for (const double factor : {1e-6, 1e-3, 1e3, 1e6}) {
       if (std::abs(mean * factor - period_) < jitter_max * period_)
@@ -131,6 +131,17 @@ class LogReader {
                      fmt::format("this sample comes {:.6g} ms after the one before; allowed is the task's sample "
                                  "period, {:.6g} ms, to a tenth{}",
                                  1e3 * uneven_->step, 1e3 * period_, hint));
+  }
+
+  /// Steps that all differ a little from the task's period are of another period. Rounded times move the first and the
+  /// last by a part of a sample, and the clocks of two computers differ by less than a thousandth.
+  void check_mean(double mean) const {
+    constexpr double clocks = 1e-3;
+    if (count_ < 2 || std::abs(mean - period_) <= std::max(clocks, 2.0 * jitter_max / (count_ - 1)) * period_) return;
+    throw InputError(name_, 0, 0,
+                     fmt::format("samples are {:.6g} ms apart, the task's sample period is {:.6g} ms; allowed are logs "
+                                 "of every sample of the task",
+                                 1e3 * mean, 1e3 * period_));
   }
 
   struct Uneven {

@@ -6,6 +6,7 @@
 
 #include <accdec/machine/response.hpp>
 #include <accdec/task/delay_kinds.hpp>
+#include <accdec/task/objective.hpp>
 #include <accdec/task/pole_rest.hpp>
 #include <accdec/task/settings_notes.hpp>
 #include <accdec/verify.hpp>
@@ -36,18 +37,32 @@ bool leaves_no_room(const Task& task, const SettableStage& stage, double length)
 }
 
 std::string order_cap(const Task& task, std::string_view what) {
-  return fmt::format(" The {} is the longest that `order_max` = {} allows.", what, task.design.order_max);
+  return fmt::format(" The {} is the longest that `order_max` = {} allows; longer ones were not looked at.", what,
+                     task.design.order_max);
+}
+
+/// Whether a filter of this order may take less time than the result: it does with the shortest delays that the control
+/// has.
+bool may_be_faster(const DesignResult& result, int order) {
+  const Task& task = result.task;
+  const auto& kinds = task.settings->delays;
+  const bool stops = std::ranges::all_of(kinds, [](DelayKind kind) { return kind == DelayKind::exact_stop; });
+  std::vector<int> delays;
+  for (const TaskCorner& corner : task.corners)
+    delays.push_back(corner.delay.value_or(stops && !kinds.empty() ? order : 0));
+  return objective_time(task, order, delays) * rounding < result.objective();
 }
 
 }  // namespace
 
-std::string caps_that_bind(const DesignResult& result) {
+std::string caps_reached(const DesignResult& result) {
   if (!result.settings || result.settings->family == SettingFamily::taps) return "";
   const Task& task = result.task;
   const ChosenSettings& chosen = *result.settings;
   const double period = task.sample_period;
   std::string text;
-  if (result.filter->order() == task.design.order_max) text += order_cap(task, "filter");
+  const int order = result.filter->order();
+  if (order == task.design.order_max && may_be_faster(result, order + 1)) text += order_cap(task, "filter");
   if (chosen.family == SettingFamily::exponential && chosen.values.size() > 1) {
     const double given = task.settings->time_constant_step, step = given > 0.0 ? given : period;
     if (1e-3 * chosen.values.back().value + step > (task.design.order_max + 1.0) * period * rounding)
@@ -60,9 +75,10 @@ std::string caps_that_bind(const DesignResult& result) {
     const Setting& setting = chosen.values[s];
     if (!on(setting)) continue;
     const double length = setting.value * stages[s].unit_seconds / period;
-    if (chosen.family == SettingFamily::one_pole && one && leaves_no_room(task, stages[s], length))
+    if (chosen.family == SettingFamily::one_pole && one && leaves_no_room(task, stages[s], length) &&
+        may_be_faster(result, task.design.order_max + 1))
       text += order_cap(task, "pole");
-    if (is_longest(stages[s], length, period))
+    if (is_longest(stages[s], length, period) && may_be_faster(result, static_cast<int>(std::lround(length))))
       text += fmt::format(" {:.9g} {}{} is the longest time that can be set.", setting.value, setting.unit,
                           setting.name.empty() ? "" : " of " + setting.name);
   }

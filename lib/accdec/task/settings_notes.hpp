@@ -8,8 +8,8 @@
 
 namespace accdec {
 
-/// The caps that hold the chosen setting back: lengths or numbers at the longest that can be set.
-std::string caps_that_bind(const DesignResult& result);
+/// Lengths and numbers at the longest that can be set, unless longer ones surely gain nothing.
+std::string caps_reached(const DesignResult& result);
 
 /// Which exact stops the proof is about, where no other kind of delay waits longer.
 /// @param control  null: none

@@ -142,7 +142,7 @@ std::string beside_taps(const DesignResult& result) {
   // Those beside whole coefficients have the same kinds of delays.
   const std::string taps = free_taps_in_words(result.task.settings && !whole ? &*result.task.settings : nullptr);
   const std::optional<double> free = whole ? whole->unquantised : result.free_taps;
-  const auto part = [&](double other) { return fmt::format("{:.1f} %", 100.0 * (time - other) / time); };
+  const auto part = [&](double other) { return percent_in_words((time - other) / time); };
   if (free && result.lower_bound && *free <= *result.lower_bound * (1.0 + 1e-9)) {
     if (*free >= time * (1.0 - 1e-9)) return fmt::format(" {} are not faster.", taps);
     return fmt::format(" {} would take {} ({} less).", taps, milliseconds(*free), part(*free));
@@ -171,9 +171,18 @@ std::string free_taps_in_words(const ControllerSettings* control) {
   return control == nullptr || control->any_delay() ? "Free taps" : "Free taps with delays of any number of samples";
 }
 
+std::string percent_in_words(double part) {
+  const double percent = 100.0 * part;
+  // One digit behind the point, or the first one that is not 0.
+  return percent < 0.05 ? fmt::format("{:.1g} %", percent) : fmt::format("{:.1f} %", percent);
+}
+
 std::string assumed_in_words(const ControllerSettings* control) {
-  if (control == nullptr || control->assumed.empty()) return "";
-  return fmt::format(" Assumed: {}.", fmt::join(control->assumed, "; "));
+  if (control == nullptr) return "";
+  std::vector<std::string> assumed = control->assumed;
+  if (!control->controller.empty() && control->delays.empty())
+    assumed.emplace_back("the second leg of a corner can be delayed by any number of samples");
+  return assumed.empty() ? "" : fmt::format(" Assumed: {}.", fmt::join(assumed, "; "));
 }
 
 std::string families_in_words(const ControllerSettings& settings) {
@@ -185,8 +194,7 @@ std::string families_in_words(const ControllerSettings& settings) {
 std::string proved_best_in_words(const ControllerSettings& settings) {
   const std::string feeds = settings.names(DelayKind::corner_feed) ? settled_feeds : "";
   if (settings.controller.empty()) return "proved best for this family" + feeds;
-  return settings.delays.empty() ? "proved best for this control's filter, if it can delay by any number of samples"
-                                 : "proved best for this control" + feeds;
+  return settings.delays.empty() ? "proved best for this control's filter" : "proved best for this control" + feeds;
 }
 
 std::string width_in_words(const WidthInterval& width) {
@@ -338,13 +346,13 @@ std::string settings_answer(const DesignResult& result) {
   const bool corner = result.corners.size() == 1 && result.task.design.runs == 1.0;
   text += fmt::format("{}{}, {}.", milliseconds(time), corner ? " a corner" : " in all", proved_in_words(result));
   const ControllerSettings* const own = result.task.settings ? &*result.task.settings : nullptr;
-  text += caps_that_bind(result) + stops_considered(own) + feeds_left_out(result) + smoothing_left_out(result);
+  text += caps_reached(result) + stops_considered(own) + feeds_left_out(result) + smoothing_left_out(result);
   text += beside_taps(result) + kinds_not_used(result);
   if (result.savings && result.settings) {
     const double today = result.savings->today, saved = result.savings->total;
     text += fmt::format(" Today's setting takes {}; ", milliseconds(today));
     text += saved > 1e-9 * today
-                ? fmt::format("retuning saves {} ({:.1f} %).", milliseconds(saved), 100.0 * saved / today)
+                ? fmt::format("retuning saves {} ({}).", milliseconds(saved), percent_in_words(saved / today))
                 : "retuning saves nothing.";
   }
   return text + limit_broken_today(result) + assumed_in_words(own) + "\n";

@@ -18,6 +18,9 @@ std::string proved_best_in_words(const ControllerSettings& settings);
 /// null: no control.
 std::string free_taps_in_words(const ControllerSettings* control);
 
+/// "4.5 %" of 0.045, "0.04 %" of 0.0004. @param part  above 0
+std::string percent_in_words(double part);
+
 /// " Assumed: T1 is entered in ms.", what no source says of a control; empty if there is nothing. Null: no control.
 std::string assumed_in_words(const ControllerSettings* control);
 

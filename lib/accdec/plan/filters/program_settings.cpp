@@ -26,7 +26,8 @@ std::string what_was_tried(const ProgramSettings& settings) {
                                       "searches twice as long.",
                                       *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
                                 : "The time limit ended the search; a longer one plans more.";
-  return fmt::format("the fastest of those tried: {} of {}{} settings planned, {} guessed. {}", settings.tried,
+  return fmt::format("{}: {} of {}{} settings planned, {} guessed. {}",
+                     settings.tried > 1 ? "the fastest of those tried" : "the only one tried", settings.tried,
                      settings.members, settings.members >= SettableMembers::most ? " or more" : "", settings.guessed,
                      ended);
 }
@@ -35,7 +36,7 @@ std::string beside_free_taps(const ProgramSettings& settings, double time) {
   const double free = *settings.free_taps, less = time - free;
   const std::string taps = free_taps_in_words(settings.control.get());
   if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
-  return fmt::format(" {} would take {:.6g} s ({:.1f} % less) or less.", taps, free, 100.0 * less / time);
+  return fmt::format(" {} would take {:.6g} s ({} less) or less.", taps, free, percent_in_words(less / time));
 }
 
 std::string beside_today(const ProgramResult& result) {
@@ -44,7 +45,7 @@ std::string beside_today(const ProgramResult& result) {
   if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
   std::string text = fmt::format(" Today's setting takes {:.6g} s as planned here; ", today);
   if (saved > 1e-9 * today)
-    return text + fmt::format("retuning saves {:.4g} s ({:.1f} %).", saved, 100.0 * saved / today);
+    return text + fmt::format("retuning saves {:.4g} s ({}).", saved, percent_in_words(saved / today));
   return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
 }
 
@@ -81,7 +82,12 @@ std::string program_settings_in_words(const ProgramResult& result) {
 std::string program_settings_answer(const ProgramResult& result) {
   const ProgramSettings& settings = *result.settings;
   const double time = result.cycle_time;
-  std::string text = fmt::format("{}: {}", settings.is_today ? "Keep today's setting" : "Set these",
+  // One plan of today's setting is no advice to keep it.
+  const bool no_search = settings.is_today && settings.tried == 1 && !settings.complete;
+  std::string text = fmt::format("{}: {}",
+                                 no_search           ? "The time was too short for an answer. Today's setting"
+                                 : settings.is_today ? "Keep today's setting"
+                                                     : "Set these",
                                  program_settings_in_words(result));
   for (const DelayKindName& kind : delay_kinds) {
     const std::size_t count = joints_with(result, kind.kind);
