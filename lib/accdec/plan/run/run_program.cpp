@@ -155,7 +155,9 @@ class Planning {
   /// Lowers all feeds where a drive would be warmer over the program than its rating.
   void cool() {
     const auto again = [this](ScheduledPlan& plan) { check(plan); };
-    if (!cool_drives(best_, filter_, task_.sample_period, machine_, again, deadline_)) return;
+    // A plan that is too warm is none: it has a short time to cool if the limit ended before.
+    const Deadline until = deadline_.over() ? Deadline(seconds_for_one_plan(best_.path)) : deadline_;
+    if (!cool_drives(best_, filter_, task_.sample_period, machine_, again, until)) return;
     result_.cycle_time_kept.reset();  // that plan was not held against the ratings
     quieten(best_);
   }
