@@ -6,6 +6,7 @@
 #include <accdec/design/anytime.hpp>
 #include <accdec/design/coarse_design.hpp>
 #include <accdec/files.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/task/delays_by_formula.hpp>
 #include <accdec/task/objective.hpp>
 #include <accdec/task/order_bound.hpp>
@@ -58,14 +59,15 @@ Filter finer(const Filter& filter, double per_tap, int average) {
 }
 
 /// Whether all limits hold at exact stops, where no tolerance and no other leg counts. A filter that fails here fails
-/// at every delay, which takes much longer to find.
+/// at every delay, which takes much longer to find. Behind a servo, the first leg ends with the servo's tail.
 bool holds_alone(const Task& task, const Filter& filter) {
   const bool any_delay =
       std::ranges::all_of(task.corners, [](const TaskCorner& c) { return !c.delay && c.speed_min <= 0.0; });
   if (!any_delay) return true;
   Task first = task;
   first.corners.erase(first.corners.begin() + 1, first.corners.end());
-  return verify_by_simulation(first, filter, {filter.order() + 2}).feasible;
+  const int last = filter.order() + Response(task.machine, task.sample_period).order();
+  return verify_by_simulation(first, filter, {last + 2}).feasible;
 }
 
 }  // namespace

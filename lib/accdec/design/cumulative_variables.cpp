@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -7,29 +10,23 @@
 
 namespace accdec {
 
-template <class Form>
-Affine CumulativeVariables::convolved(const Form& form) const {
-  if (response_.size() == 1) return form(0);
-  Affine sum;
-  std::vector<double> dense(static_cast<std::size_t>(order_), 0.0);
-  for (std::size_t i = 0; i < response_.size(); ++i) {
-    const Affine ago = form(static_cast<int>(i));
-    sum.constant += response_[i] * ago.constant;
-    for (const auto& [variable, factor] : ago.terms) dense[static_cast<std::size_t>(variable)] += response_[i] * factor;
-  }
-  for (std::size_t i = 0; i < dense.size(); ++i) {
-    if (dense[i] != 0.0) sum.add(static_cast<int>(i), dense[i]);
-  }
-  return sum;
+CumulativeVariables::CumulativeVariables(int order, std::vector<double> response)
+    : order_(order), response_(std::move(response)) {
+  std::partial_sum(response_.begin(), response_.end(), std::back_inserter(sums_));
+}
+
+double CumulativeVariables::response_sum(int i) const {
+  return i < 0 ? 0.0 : sums_[std::min(static_cast<std::size_t>(i), sums_.size() - 1)];
 }
 
 Affine CumulativeVariables::cumulative(int k) const {
   if (k <= 0) return {};
   if (k > order()) return {1.0, {}};
-  return convolved([&](int ago) {
-    const int at = k - ago;
-    return at <= 0 ? Affine{} : at > order_ ? Affine{1.0, {}} : Affine{0.0, {{at - 1, 1.0}}};
-  });
+  Affine sum{response_sum(k - order_ - 1), {}};
+  for (int j = std::max(1, k - static_cast<int>(response_.size()) + 1); j <= std::min(k, order_); ++j) {
+    if (const double tap = response_[static_cast<std::size_t>(k - j)]; tap != 0.0) sum.add(j - 1, tap);
+  }
+  return sum;
 }
 
 Affine CumulativeVariables::remaining(int k) const {
@@ -41,29 +38,44 @@ Affine CumulativeVariables::tap(int i) const {
 }
 
 Affine CumulativeVariables::remaining_moment(int k) const {
-  return convolved([&](int ago) {
-    const int at = k - ago;
-    Affine sum{static_cast<double>(std::max(0, -at)), {}};
-    for (int j = std::max(at, 0) + 1; j <= order_; ++j) {
-      sum.constant += 1.0;
-      sum.add(j - 1, -1.0);
-    }
-    return sum;
-  });
+  // From sample k - i on, the filter i samples ago has as much ahead: samples before 0, and those of B up to N.
+  Affine sum;
+  for (int i = 0; i < static_cast<int>(response_.size()); ++i)
+    sum.constant += response_[static_cast<std::size_t>(i)] * std::max(0, order_ - (k - i));
+  for (int j = 1; j <= order_; ++j) {
+    if (const double ahead = sums_.back() - response_sum(k - j); ahead != 0.0) sum.add(j - 1, -ahead);
+  }
+  return sum;
 }
 
 Affine CumulativeVariables::elapsed_moment(int m) const {
-  return convolved([&](int ago) {
-    const int at = m - ago;
-    Affine sum{static_cast<double>(std::max(0, at - order_)), {}};
-    for (int j = 1; j <= std::min(at, order_); ++j) sum.add(j - 1, 1.0);
-    return sum;
-  });
+  Affine sum;
+  for (int i = 0; i < static_cast<int>(response_.size()); ++i)
+    sum.constant += response_[static_cast<std::size_t>(i)] * std::max(0, m - i - order_);
+  for (int j = 1; j <= order_; ++j) {
+    if (const double gone = response_sum(m - j); gone != 0.0) sum.add(j - 1, gone);
+  }
+  return sum;
 }
 
 CumulativeVariables add_cumulative_variables(QuadraticProblem& problem, int order) {
   for (int k = 1; k <= order; ++k) problem.add_variable(fmt::format("B_{}", k), {0.0, 1.0});
   return CumulativeVariables(order);
+}
+
+double largest_over_taps(const Affine& form, int order, double tap_max) {
+  // B_k = b_0 + .. + b_{k-1}, so tap i has the factors of all B behind it. The largest factors get all they may have.
+  std::vector<double> of_tap(static_cast<std::size_t>(order) + 1, 0.0);
+  for (const auto& [variable, factor] : form.terms) of_tap[static_cast<std::size_t>(variable)] += factor;
+  for (std::size_t i = of_tap.size() - 1; i > 0; --i) of_tap[i - 1] += of_tap[i];
+  std::sort(of_tap.rbegin(), of_tap.rend());
+  double left = 1.0, sum = form.constant;
+  for (const double factor : of_tap) {
+    const double tap = std::min(left, tap_max);
+    sum += tap * factor;
+    left -= tap;
+  }
+  return sum;
 }
 
 std::vector<double> motion_taps(const Response& response, std::size_t axis) {

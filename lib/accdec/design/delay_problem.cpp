@@ -85,6 +85,7 @@ double through(std::span<const double> response, int i, const OfKnot& of_knot) {
 DelayProblem::DelayProblem(const Task& task, const FormulationOptions& options)
     : order_(options.order), reduced_(options.reduced) {
   set_name("least weighted delay");
+  stop_when(options.stop);
   const Response response(task.machine, task.sample_period);
   motion_order_ = order_ + response.order(), ideal_ = response.ideal(), common_ = response.common();
   const CumulativeVariables b = add_cumulative_variables(*this, order_);

@@ -131,6 +131,7 @@ FormulationOptions FixedOrderDesigner::formulation(int order, std::vector<int> b
                                  extra_frequencies_[i].end());
   }
   f.reduced = reduced_;
+  f.stop = [this] { return stopped(); };
   return f;
 }
 
@@ -179,6 +180,14 @@ const std::optional<FixedOrderDesigner::Relaxed>& FixedOrderDesigner::relaxed(in
 
 std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) {
   std::optional<Relaxed> best;
+  try {
+    relax(order, best);
+  } catch (const BuildStopped&) {  // the best so far remains
+  }
+  return best;
+}
+
+void FixedOrderDesigner::relax(int order, std::optional<Relaxed>& best) {
   bool consistent = true, parted = false;
   Filter start = options_.nlp.start && options_.nlp.start->order() == order ? *options_.nlp.start : guess(order);
   std::vector<double> delays = guess_delays(start);
@@ -192,7 +201,10 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
       // The delays that the errors alone need, found with parted legs, were an attempt. The earlier point that held
       // still guides the search.
       if (best && (best->parted || parted)) break;
-      if (!coupled_ || parted) return std::nullopt;
+      if (!coupled_ || parted) {
+        best.reset();
+        return;
+      }
       parted = true;
       continue;
     }
@@ -218,7 +230,6 @@ std::optional<FixedOrderDesigner::Relaxed> FixedOrderDesigner::relax(int order) 
     parted = false;
   }
   if (!consistent) best.reset();
-  return best;
 }
 
 std::vector<double> FixedOrderDesigner::contour_times(const Filter& filter, const std::vector<int>& delays) const {
@@ -236,8 +247,16 @@ int FixedOrderDesigner::nearest_sample(const Filter& filter, std::size_t corner,
 
 std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::vector<int>& delays, const Filter& start,
                                                          std::vector<int> samples) {
-  Filter from = start;
   std::optional<Filter> found;
+  try {
+    enlarge_margin(order, delays, start, std::move(samples), found);
+  } catch (const BuildStopped&) {  // the last one found remains
+  }
+  return found;
+}
+
+void FixedOrderDesigner::enlarge_margin(int order, const std::vector<int>& delays, Filter from,
+                                        std::vector<int> samples, std::optional<Filter>& found) {
   for (int pass = 0; pass < 6 && !stopped(); ++pass) {
     FormulationOptions options = formulation(order, delays);
     options.contour_times = contour_times(from, delays);
@@ -245,7 +264,10 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
     const MarginProblem problem(task_, options, samples);
     const std::vector<double> point = problem.start_from(from);
     const solvers::Result result = solve(problem, point);
-    if (!own(result, point)) return std::nullopt;
+    if (!own(result, point)) {
+      found.reset();
+      return;
+    }
     from = filter_from(result.x, order);
     found = from;
     bool again = refine_bands(from, delays);
@@ -261,7 +283,6 @@ std::optional<Filter> FixedOrderDesigner::largest_margin(int order, const std::v
     }
     if (!again) break;
   }
-  return found;
 }
 
 SolverReport FixedOrderDesigner::report() const {

@@ -90,6 +90,10 @@ class FixedOrderDesigner {
   Filter motion(const Filter& filter) const { return response_.motion(filter); }
   std::vector<double> contour_times(const Filter& filter, const std::vector<int>& delays) const;
   std::optional<Relaxed> relax(int order);
+  /// @throws BuildStopped
+  void relax(int order, std::optional<Relaxed>& best);
+  void enlarge_margin(int order, const std::vector<int>& delays, Filter from, std::vector<int> samples,
+                      std::optional<Filter>& found);
 
   const Task& task_;
   const DesignOptions& options_;

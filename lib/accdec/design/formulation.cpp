@@ -21,6 +21,7 @@ double largest(const Affine& a) {
 MarginProblem::MarginProblem(const Task& task, const FormulationOptions& options, std::span<const int> samples)
     : order_(options.order), reduced_(options.reduced) {
   set_name("least corner error");
+  stop_when(options.stop);
   const CumulativeVariables b = add_cumulative_variables(*this, options.order);
   const Response response(task.machine, task.sample_period);
   const CumulativeVariables motion = b.behind(motion_taps(response, 0));

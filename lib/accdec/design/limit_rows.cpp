@@ -43,11 +43,12 @@ RowBuilder::RowBuilder(QuadraticProblem& problem, const CumulativeVariables& b, 
       period_(task.sample_period),
       one_(1.0 - options.margin),
       response_(task.machine, period_),
+      tap_max_(tap_max()),
       command_(b.behind(response_.prefilter())) {
   for (std::size_t a = 0; a < task.machine.axes.size(); ++a) motions_.push_back(b.behind(motion_taps(response_, a)));
 }
 
-void RowBuilder::taps() {
+double RowBuilder::tap_max() const {
   double bound = 1.0;
   for (std::size_t a = 0; a < task_.machine.axes.size(); ++a) {
     const AxisSpeeds speeds = axis_speeds(task_, index(a));
@@ -55,7 +56,11 @@ void RowBuilder::taps() {
     const double limit = task_.machine.axes[a].acceleration_max;
     if (fastest > 0.0 && limit < unlimited) bound = std::min(bound, limit * period_ / fastest);
   }
-  const double upper = bound < 1.0 ? bound * one_ : nlp::infinity;
+  return bound;
+}
+
+void RowBuilder::taps() {
+  const double upper = tap_max_ < 1.0 ? tap_max_ * one_ : nlp::infinity;
   const bool smoothed = response_.prefilter_order() > 0;
   for (int i = 0; i <= b_.order(); ++i)
     affine(fmt::format("acceleration, tap {}", i), b_.tap(i), {0.0, smoothed ? nlp::infinity : upper});
@@ -156,6 +161,30 @@ void RowBuilder::affine(std::string name, const Affine& value, nlp::Bound bound)
   problem_.add_to_row(problem_.add_row(std::move(name), bound), value);
 }
 
+double RowBuilder::largest(const Affine& form) const {
+  if (response_.ideal()) return unlimited;
+  problem_.go_on();
+  // Behind a control's smoothing, its own taps are bounded, not those of the filter.
+  const double most = response_.prefilter_order() > 0 ? 1.0 : tap_max_;
+  return std::max(largest_over_taps(form, b_.order(), most), largest_over_taps(-1.0 * form, b_.order(), most));
+}
+
+void RowBuilder::product(int row, double coefficient, Affine left, Affine right) {
+  // The Hessian of a product of dense forms has as many entries as both have together.
+  constexpr std::size_t dense = 8;
+  const bool same = left.constant == right.constant && left.terms == right.terms;
+  const auto one = [&](Affine& form, const char* side) {
+    if (!options_.reduced && form.terms.size() > dense)
+      form = defined_variable(fmt::format("{} of a product of {}", side, problem_.row_name(row)), form);
+  };
+  one(left, "left side");
+  if (same)
+    right = left;
+  else
+    one(right, "right side");
+  problem_.add_product(row, coefficient, std::move(left), std::move(right));
+}
+
 Affine RowBuilder::defined_variable(const std::string& name, const Affine& value) {
   const int variable = problem_.add_variable(name, {-nlp::infinity, nlp::infinity});
   affine("definition of " + name, value + Affine{0.0, {{variable, -1.0}}}, {0.0, 0.0});
@@ -166,11 +195,12 @@ void RowBuilder::bounded(const Axis& axis, const std::string& event, int k, Limi
                          const Affine& speed) {
   const auto add = [&](double bound, nlp::Bound scaled) {
     if (bound == unlimited) return;
+    if (one_ * bound > largest(quantity) * (speed.terms.empty() ? speed.constant : largest(speed))) return;
     std::string name = fmt::format("{} {}, {}, k = {}", to_string(kind), axis.name, event, k);
     if (speed.terms.empty()) {
       affine(std::move(name), speed.constant / bound * quantity, scaled);
     } else {
-      problem_.add_product(problem_.add_row(std::move(name), scaled), 1.0 / bound, quantity, speed);
+      product(problem_.add_row(std::move(name), scaled), 1.0 / bound, quantity, speed);
     }
   };
   const bool low = kind != LimitKind::power, high = kind != LimitKind::regeneration;  // sides that are bounded

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,15 @@ struct FormulationOptions {
   double margin = 1e-7;  ///< relative distance kept from every limit, so that a solver's tolerance does not break it
   bool reduced =
       false;  ///< no equality rows: positions and responses are substituted into their bounds (dense rows, no Hessian)
+  std::function<bool()> stop = nullptr;  ///< when to give the problem up with BuildStopped
 };
 
 /// Adds every limit of the task except the corner errors. Taps are >= 0 and below the acceleration bound. Start, blend
 /// and stop have rows for jerk, force, power and regeneration. There are also rows for the smallest tangential speed,
 /// residual vibration and symmetry. Rows are scaled to a bound of 1 and named like "force x, stop, k = 7". Rows that
-/// others imply for every filter are left out. There are O(N) rows of O(1) entries, and two dense linear rows per
-/// vibration frequency (or, when reduced, one dense quadratic row). Limits at constant speed are not rows: see
-/// `contradictions`.
+/// others imply for every filter are left out. Behind a servo, most samples of its tail have none. There are O(N) rows
+/// of O(1) entries, and two dense linear rows per vibration frequency (or, when reduced, one dense quadratic row).
+/// Limits at constant speed are not rows: see `contradictions`.
 void add_limit_rows(QuadraticProblem& problem, const CumulativeVariables& b, const Task& task,
                     const FormulationOptions& options);
 

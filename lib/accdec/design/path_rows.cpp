@@ -14,22 +14,30 @@ void RowBuilder::supply_rows(const std::string& event, int k, const TaskCorner& 
                              const OfMotion& legs) {
   const Machine& machine = task_.machine;
   const Corner& g = corner.geometry();
+  struct Moved {
+    Affine force, speed, friction;  // the friction is a power
+    bool reverses;
+  };
+  std::vector<Moved> moved;
+  double most = 0.0;
+  for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+    const Axis& axis = machine.axes[a];
+    const double v1 = g.feed_in * g.direction_in[index(a)], v2 = g.feed_out * g.direction_out[index(a)];
+    const double last = first ? v1 : v2;
+    const auto [in, out, gains_in, gains_out] = legs(motions_[a]);
+    const Affine v = v1 * in + last * out;
+    if (v.terms.empty() && v.constant == 0.0) continue;
+    // Friction takes its force times |V|. If an axis reverses, the speeds of both legs together are no less.
+    moved.push_back({axis.mass / period_ * (v1 * gains_in + last * gains_out) + axis.damping * v, v,
+                     axis.coulomb * (std::abs(v1) * in + std::abs(last) * out), v1 * v2 < 0.0 && !in.terms.empty()});
+    most += largest(moved.back().force) * largest(v) + largest(moved.back().friction);
+  }
   const auto add = [&](LimitKind kind, double bound, double sign) {
-    if (bound == unlimited) return;
+    if (bound == unlimited || one_ * bound > most) return;
     const int row = problem_.add_row(fmt::format("{}, {}, k = {}", to_string(kind), event, k), {-nlp::infinity, one_});
-    for (std::size_t a = 0; a < machine.axes.size(); ++a) {
-      const Axis& axis = machine.axes[a];
-      const double v1 = g.feed_in * g.direction_in[index(a)], v2 = g.feed_out * g.direction_out[index(a)];
-      const double last = first ? v1 : v2;
-      const auto [in, out, gains_in, gains_out] = legs(motions_[a]);
-      const Affine v = v1 * in + last * out;
-      if (v.terms.empty() && v.constant == 0.0) continue;
-      const Affine moving = axis.mass / period_ * (v1 * gains_in + last * gains_out) + axis.damping * v;
-      problem_.add_product(row, sign / bound, moving, v);
-      // Friction takes its force times |V|. If an axis reverses, the speeds of both legs together are no less.
-      const bool reverses = v1 * v2 < 0.0 && !in.terms.empty();
-      if (axis.coulomb > 0.0 && !(reverses && sign < 0.0))
-        problem_.add_to_row(row, sign * axis.coulomb / bound * (std::abs(v1) * in + std::abs(last) * out));
+    for (const Moved& axis : moved) {
+      product(row, sign / bound, axis.force, axis.speed);
+      if (!(axis.reverses && sign < 0.0)) problem_.add_to_row(row, sign / bound * axis.friction);
     }
   };
   add(LimitKind::power_total, machine.power_total_max, 1.0);
@@ -65,7 +73,7 @@ void RowBuilder::speed(const TaskCorner& corner, int delay) {
       const double in = g.feed_in * g.direction_in[index(a)], out = g.feed_out * g.direction_out[index(a)];
       const Affine v =
           1.0 / corner.speed_min * (in * motions_[a].remaining(k) + out * motions_[a].cumulative(k - delay));
-      problem_.add_product(row, 1.0, v, v);
+      product(row, 1.0, v, v);
     }
   }
 }

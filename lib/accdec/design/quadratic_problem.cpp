@@ -62,6 +62,7 @@ int QuadraticProblem::add_variable(std::string name, nlp::Bound bound) {
 }
 
 int QuadraticProblem::add_row(std::string name, nlp::Bound bound) {
+  go_on();
   Row row;
   row.name = std::move(name);
   row.bound = bound;
@@ -106,6 +107,7 @@ void QuadraticProblem::finish() {
   jacobian_pattern_.clear();
   std::vector<int> slot_of(nth(num_variables()), -1);  // valid for the row in hand
   for (int r = 0; r < num_rows(); ++r) {
+    go_on();
     Row& row = rows_[nth(r)];
     merge(row.affine);
     std::vector<int> touched;
@@ -129,6 +131,7 @@ void QuadraticProblem::finish() {
   std::vector<std::pair<int, int>> entries = reserved_hessian_;
   const auto ordered = [](int i, int j) { return std::pair(std::max(i, j), std::min(i, j)); };
   for (const Row& row : rows_) {
+    go_on();
     for (const Product& p : row.products) {
       for (const auto& l : p.left.terms) {
         for (const auto& t : p.right.terms) entries.push_back(ordered(l.first, t.first));
@@ -141,6 +144,7 @@ void QuadraticProblem::finish() {
   hessian_pattern_.reserve(entries.size());
   for (const auto& [i, j] : entries) hessian_pattern_.push_back({i, j});
   for (Row& row : rows_) {
+    go_on();
     for (Product& p : row.products) {
       for (const auto& l : p.left.terms) {
         for (const auto& t : p.right.terms) p.hessian_slots.push_back(hessian_slot(l.first, t.first));

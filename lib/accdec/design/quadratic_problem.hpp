@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <exception>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -33,6 +35,11 @@ struct Polynomial {
   std::vector<Product> products;
 };
 
+/// The time for a problem was over before all its rows were made.
+struct BuildStopped : std::exception {
+  const char* what() const noexcept override { return "stopped while the rows of a problem were made"; }
+};
+
 /// A problem with an affine objective. Its rows are an affine form plus products of two affine forms. In the cumulative
 /// variables, all limits of a corner motion at fixed delays have this form. Taps, accelerations, jerks and forces are
 /// affine with a few neighbours each. Power is one product; squared speeds and distances are sums of products.
@@ -43,7 +50,14 @@ class QuadraticProblem : public nlp::Problem {
   int add_variable(std::string name, nlp::Bound bound);
   void set_variable_bound(int i, nlp::Bound bound) { variables_[static_cast<std::size_t>(i)].bound = bound; }
   void set_integer(int i) { variables_[static_cast<std::size_t>(i)].integer = true; }
+  /// @throws BuildStopped
   int add_row(std::string name, nlp::Bound bound);
+  /// From now on, building ends when `stop` is true.
+  void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
+  /// Asks it where no row is added for long. @throws BuildStopped
+  void go_on() const {
+    if (stop_ && stop_()) throw BuildStopped();
+  }
   void add_to_row(int row, const Affine& a);
   /// row += coefficient * left * right
   void add_product(int row, double coefficient, Affine left, Affine right);
@@ -51,7 +65,7 @@ class QuadraticProblem : public nlp::Problem {
   void set_name(std::string name) { name_ = std::move(name); }
   /// Leaves second derivatives out, for dense products, whose Hessian would take O(n^2).
   void omit_hessian() { with_hessian_ = false; }
-  /// Compiles the sparsity patterns; call once, after the last add.
+  /// Compiles the sparsity patterns; call once, after the last add. @throws BuildStopped
   void finish();
 
   /// The quadratic part of a row, multiplied out. A derived class may add terms of its own to the row.
@@ -112,6 +126,7 @@ class QuadraticProblem : public nlp::Problem {
 
  private:
   std::string name_ = "quadratic";
+  std::function<bool()> stop_;
   std::vector<Variable> variables_;
   Affine objective_;
   bool with_hessian_ = true;

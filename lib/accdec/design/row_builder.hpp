@@ -69,6 +69,14 @@ class RowBuilder {
 
   void affine(std::string name, const Affine& value, nlp::Bound bound);
 
+  /// The largest tap that the acceleration allows, before the control's smoothing.
+  double tap_max() const;
+  /// Largest size of a form for any taps. Without a response, rows are short, and this is not asked.
+  double largest(const Affine& form) const;
+
+  /// row += coefficient * left * right
+  void product(int row, double coefficient, Affine left, Affine right);
+
   /// A new variable equal to an affine form, so that dense forms appear only in linear rows.
   Affine defined_variable(const std::string& name, const Affine& value);
 
@@ -87,6 +95,7 @@ class RowBuilder {
   const FormulationOptions& options_;
   double period_, one_;
   Response response_;
+  double tap_max_;
   CumulativeVariables command_;
   std::vector<CumulativeVariables> motions_;  // of each axis
 };

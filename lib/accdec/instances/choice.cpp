@@ -102,21 +102,12 @@ class ChoiceBuilder {
   /// Bound of sign * body over 0 <= B <= 1, and of its affine part over 0 <= taps <= tap_max with sum 1 as well.
   double largest(const Polynomial& body, double sign) const {
     double in_sums = 0.0, products = 0.0;
-    std::vector<double> of_tap(count(order()) + 1, 0.0);
-    for (const auto& [k, c] : body.affine.terms) {  // B_{k+1} = b_0 + .. + b_k
-      in_sums += std::max(0.0, sign * c);
-      for (int i = 0; i <= k; ++i) of_tap[count(i)] += sign * c;
-    }
+    for (const auto& term : body.affine.terms) in_sums += std::max(0.0, sign * term.second);
     for (const auto& p : body.products) products += std::max(0.0, sign * p.coefficient);
-    std::sort(of_tap.rbegin(), of_tap.rend());
-    double left = 1.0, in_taps = 0.0;
-    for (const double c : of_tap) {
-      const double tap = std::min(left, tap_max_);
-      in_taps += tap * c;
-      left -= tap;
-    }
+    const double constant = sign * body.affine.constant;
+    const double in_taps = largest_over_taps(sign * body.affine, order(), tap_max_) - constant;
     // Rounding of the sums must not cut anything off.
-    return sign * body.affine.constant + products + std::min(in_sums, in_taps) * (1.0 + 1e-12) + 1e-12;
+    return constant + products + std::min(in_sums, in_taps) * (1.0 + 1e-12) + 1e-12;
   }
 
   /// |S[k]|^2 <= 1 in units of the tolerance, with P = p(k) and Q = Q(m) at the chosen k and m = k - delay. Both are 0

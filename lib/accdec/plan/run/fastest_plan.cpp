@@ -39,6 +39,15 @@ ProgramResult plan_profiles_of(PlanningProblem problem) {
   return result;
 }
 
+ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline) {
+  // If checking its samples takes all the time there is, one filter may still be planned.
+  const bool several = file.path.blocks() <= several_plans_max;
+  const Deadline most = several ? deadline.within(0.6 * deadline.left()) : deadline;
+  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
+  profiles.reading = file.reading;
+  return profiles;
+}
+
 CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool thorough) {
   const Machine machine = program_machine(task.machine, path);
   // Bounds of motions that are free take longer than those of legs, and are mostly larger.
@@ -79,10 +88,7 @@ ProgramResult faster_plan(const ProgramFile& file, const Task& task, const Progr
   // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
   const bool several = file.path.blocks() <= several_plans_max;
   const double chords = file.reading.read.arc_tolerance;
-  // If checking its samples takes all the time there is, one filter may still be planned.
-  const Deadline most = several ? options.deadline.within(0.6 * options.deadline.left()) : options.deadline;
-  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
-  profiles.reading = file.reading;
+  ProgramResult profiles = plan_profiles_first(file, task, options.deadline);
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
   if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   const bool late = !time_for_one_filter(file.path, options.deadline);

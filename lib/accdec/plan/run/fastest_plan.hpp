@@ -30,6 +30,9 @@ ProgramResult run_fastest_plan(const ProgramFile& file, const Task& task, const 
 /// Plan profiles of a program, with its lower bound.
 ProgramResult plan_profiles_of(PlanningProblem problem);
 
+/// As above, in the part of the time that it has in every plan: the plans that go on from it are never slower.
+ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline);
+
 /// Bounds of corners, for sums of monotone legs and for any motion, whichever plan. Made for programs of up to
 /// `several_plans_max` blocks: longer ones take longer to bound than to plan.
 /// @param deadline  each bound has 15 % of what is left, 10 s if there is no limit; those cut short say so

@@ -55,8 +55,11 @@ std::optional<ProgramResult> fixed_beside(const ProgramFile& file, const Task& t
                                           bool only) {
   if (!only && !time_for_one_filter(file.path, options.deadline)) return {};
   if (const double left = options.deadline.left(); options.time_limit || left < unlimited) {
-    options.time_limit = 0.3 * std::min(left, options.time_limit.value_or(unlimited));
-    options.deadline = options.deadline.within(*options.time_limit);
+    // Windows gain little in so short a time: a filter has as much of it as beside plan profiles.
+    constexpr double part = 0.3, short_time = 0.5;  // s
+    const double all = std::min(left, options.time_limit.value_or(unlimited));
+    if (all > short_time) options.time_limit = std::max(part * all, short_time);
+    options.deadline = options.deadline.within(options.time_limit.value_or(unlimited));
   }
   ProgramResult fixed = run_fixed_plan(file, task, options, {});
   if (fixed.plan.empty() || !fixed.verification.feasible) return {};
@@ -157,9 +160,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   const auto start = std::chrono::steady_clock::now();
   options.free.tell("plan profiles");
   const double chords = file.reading.read.arc_tolerance;
-  const Deadline most = options.deadline.within(0.6 * options.deadline.left());
-  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
-  profiles.reading = file.reading;
+  ProgramResult profiles = plan_profiles_first(file, task, options.deadline);
   // Before one filter and the bounds, which may take all the time that is left; windows need some of it, too.
   options.free.tell("motions along arcs");
   std::optional<AlongPlan> along;
