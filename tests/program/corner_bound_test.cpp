@@ -147,5 +147,16 @@ TEST(CornerBound, CornersOfLegsThatCuttingWouldUseUpDoNotCount) {
   EXPECT_GE(bound.time, 0.06);                    // way over feed
 }
 
+TEST(CornerBound, CountsTheSameCornersUnderAnyDeadline) {
+  // A motion is off its samples' polyline by a T^2/6 under a jerk limit and a T^2/8 without, a of both axes. A corner
+  // takes 4 (e + that)/sqrt(2) of each leg; legs 1.5 times as long count. These legs are between both.
+  const double e = 1e-3, off = std::numbers::sqrt2 * 1e-6, with = e + off / 6.0, without = e + off / 8.0;
+  const double leg = 1.5 * 4.0 / std::numbers::sqrt2 * 0.5 * (with + without);
+  const Machine m = machine_of(1.0, 50.0);
+  const Toolpath path = test::path_of(fmt::format("G64 P1 F6000\nG1 X{0:.9f}\nG1 Y{0:.9f}\nM2\n", 1e3 * leg), m);
+  for (const double seconds : {0.0, 60.0})
+    EXPECT_EQ(program_corner_bound(path, m, 1e-3, Deadline(seconds)).counted, 1U) << seconds;
+}
+
 }  // namespace
 }  // namespace accdec

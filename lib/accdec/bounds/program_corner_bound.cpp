@@ -252,10 +252,11 @@ CornerBound program_corner_bound(const Toolpath& path, const Machine& machine, d
                                  const Deadline& deadline) {
   const Machine of_path = program_machine(machine, path);
   if (!limits_jerk(of_path)) return ProgramCornerBound(path, of_path, sample_period).bound(deadline);
-  const CornerBound bound =
-      ProgramCornerBound(path, of_path, sample_period).bound(deadline.within(0.5 * deadline.left()));
+  CornerBound bound = ProgramCornerBound(path, of_path, sample_period).bound(deadline.within(0.5 * deadline.left()));
   const Machine freer = without_jerk_limits(of_path);
-  const CornerBound other = ProgramCornerBound(path, freer, sample_period).bound(deadline);
+  CornerBound other = ProgramCornerBound(path, freer, sample_period).bound(deadline);
+  // Corners that count for either: which of them is the larger bound depends on the deadline.
+  bound.counted = other.counted = std::max(bound.counted, other.counted);
   return other.time > bound.time ? other : bound;
 }
 
