@@ -67,8 +67,9 @@ TEST_F(FreeCommand, WritesAResultThatVerifyAcceptsUntilItIsChanged) {
 }
 
 TEST_F(FreeCommand, KeepsTheBestMotionAfterAnInterruption) {
+  // Plan free takes ten times as long as the plan that it begins with, on slow machines too.
   std::string program = "G64 P0.1 F6000\n";
-  for (int i = 0; i < 4000; ++i) program += "G1 X" + std::to_string(i % 2 * 15) + " Y" + std::to_string(i % 7) + "\n";
+  for (int i = 0; i < 1200; ++i) program += "G1 X" + std::to_string(i % 2 * 15) + " Y" + std::to_string(i % 7) + "\n";
   write("program.ngc", program + "M2\n");
   ASSERT_EQ(run("program program.ngc --task task.toml --plan free --threads 1 --json r.json",
                 "timeout --preserve-status -s INT 4"),

@@ -38,7 +38,7 @@ std::optional<double> time_of_today(const Task& task) {
     const Task alone = corner_alone(task, corner);
     const std::vector<int> delays = delays_to_try(task, corner, filter.order(), longest);
     const auto holds = [&](int d) { return verify_by_simulation(alone, filter, {d}).feasible; };
-    const auto first = std::ranges::find_if(delays, holds);
+    const auto first = std::find_if(delays.begin(), delays.end(), holds);
     if (first == delays.end()) return std::nullopt;
     chosen.push_back(*first);
     samples += corner.weight * (*first + (task.design.objective == Objective::cycle ? 0 : filter.order() + 1));
