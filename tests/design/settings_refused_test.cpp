@@ -44,5 +44,20 @@ TEST(SettingsRefused, SayHowLongAPoleTheHighestOrderAllows) {
   EXPECT_THAT(result.message, HasSubstr("`order_max` = 400 has room for a pole of 43 ms at most"));
 }
 
+/// Averages of 17 and 13 samples ramp the acceleration to 100 mm/s by 0.1/(17 13 1e-6) = 452.5 m/s^3. With N = 28 or a
+/// sample more, the last ramp of a leg and the first of the next overlap. Both have sin 35 degrees of it along y: 519.1
+/// m/s^3, 103.8 % of the bound.
+TEST(SettingsRefused, SayHowLongAnExactStopLasts) {
+  const DesignResult result = design_task(
+      parse_task("sample_period_ms = 1\n[controller]\ndelays = \"exact-stop\"\n[design]\nfamily = \"averages\"\n"
+                 "length_set_ms = [17]\nlength_set_2_ms = [13]\n[[axis]]\nacceleration_max_mm_s2 = 6000\n"
+                 "jerk_max_mm_s3 = 500000\n[[corner]]\nangle_deg = 70\nheading_deg = 145\nturn = \"right\"\n"
+                 "feed_in_mm_min = 6000\nerror_max_um = 50\n",
+                 "task"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("breaks jerk y: 103.8 %"));
+  EXPECT_THAT(result.message, HasSubstr("an exact stop lasts until the filter is empty, or a sample longer where"));
+}
+
 }  // namespace
 }  // namespace accdec

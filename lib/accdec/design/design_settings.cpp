@@ -18,6 +18,7 @@
 #include <accdec/files.hpp>
 #include <accdec/machine/limits.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/task/settings_notes.hpp>
 #include <accdec/task/settings_text.hpp>
 #include <accdec/verify.hpp>
 
@@ -202,6 +203,7 @@ std::string why_no_setting_holds(const Task& task, double seconds, const std::at
   std::vector<std::string> reasons;
   if (std::string broken = closest_break(task, 0.5 * seconds, cancel); !broken.empty())
     reasons.push_back(std::move(broken));
+  if (std::string stops = exact_stop_rule(&*task.settings); !stops.empty()) reasons.push_back(std::move(stops));
   if (std::string poles = poles_left_out(task); !poles.empty()) reasons.push_back(std::move(poles));
   Task lifted = task;
   lifted.settings->delays.clear();

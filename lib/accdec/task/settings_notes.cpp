@@ -85,10 +85,14 @@ std::string caps_reached(const DesignResult& result) {
   return text;
 }
 
-std::string stops_considered(const ControllerSettings* control) {
+std::string exact_stop_rule(const ControllerSettings* control) {
   if (control == nullptr || control->any_delay() || !control->names(DelayKind::exact_stop)) return "";
-  return " An exact stop lasts until the filter is empty, or a sample longer where a limit asks. Longer ones are not "
-         "considered.";
+  return "an exact stop lasts until the filter is empty, or a sample longer where a limit asks";
+}
+
+std::string stops_considered(const ControllerSettings* control) {
+  const std::string rule = exact_stop_rule(control);
+  return rule.empty() ? "" : " A" + rule.substr(1) + ". Longer ones are not considered.";
 }
 
 std::string limit_broken_today(const DesignResult& result) {

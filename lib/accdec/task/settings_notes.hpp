@@ -11,8 +11,9 @@ namespace accdec {
 /// Lengths and numbers at the longest that can be set, unless longer ones surely gain nothing.
 std::string caps_reached(const DesignResult& result);
 
-/// Which exact stops the proof is about, where no other kind of delay waits longer.
-/// @param control  null: none
+/// How long an exact stop lasts, where no other kind of delay waits longer. @param control  null: none
+std::string exact_stop_rule(const ControllerSettings* control);
+/// The same as a sentence of an answer: which exact stops the proof is about.
 std::string stops_considered(const ControllerSettings* control);
 
 /// The limit that today's setting breaks, if none of the control's delays helps.
