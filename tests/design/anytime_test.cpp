@@ -195,6 +195,7 @@ TEST(DesignTask, StepsThatWouldTakeTooLongAreNotBegun) {
   EXPECT_THAT(result.message, HasSubstr("a step of a local solver on 20000 corners"));
   // A dense factorisation of as many rows and variables as taps: memory or hours.
   options.nlp.solver = "ceres-al";
+  options.time_limit = 300.0;  // the refusal comes before
   Task task = straight_start(20'000, "error_max_um = 50\n");
   task.design.order_min = 20'000;
   EXPECT_THROW(design_task(task, options), std::invalid_argument);
