@@ -27,7 +27,7 @@ Task rubbing_task() {
   return task;
 }
 
-Toolpath part(const Machine& machine, double all, double across) {
+Toolpath part_of(const Machine& machine, double all, double across) {
   const std::string text = fmt::format("G21 G90 G64 P0.1\nG1 X30 Y10 F{}\nY-40 F{}\nX0 F{}\nY0 F{}\nM2\n", all * 6000.0,
                                        all * across * 6000.0, all * 6000.0, all * across * 6000.0);
   LineSource source("part.ngc", text);
@@ -35,7 +35,7 @@ Toolpath part(const Machine& machine, double all, double across) {
 }
 
 ProgramResult planned(const Task& task, double all, double across, Feeds feeds) {
-  return run_program({"part.ngc", part(task.machine, all, across), task, feeds}, trapezoid(70, 20));
+  return run_program({"part.ngc", part_of(task.machine, all, across), task, feeds}, trapezoid(70, 20));
 }
 
 /// Root mean square of the force of x, by differences of its positions.
@@ -79,7 +79,7 @@ TEST(ProgramRatings, LowerFeedsNoMoreThanASweepOfThem) {
 }
 
 ProgramResult profiles(const Task& task, double feed) {
-  return run_profiles({"part.ngc", part(task.machine, feed, 1.0), task});
+  return run_profiles({"part.ngc", part_of(task.machine, feed, 1.0), task});
 }
 
 /// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes.
@@ -119,7 +119,7 @@ TEST(ProgramRatings, HoldInFreeMotions) {
   task.machine.axes[0].force_rms_max = 0.8 * rms_of_x(profiles(task, 1.0), x);
   ProgramFileOptions options;
   options.free.sweeps = 1;
-  const ProgramFile file{"part.ngc", part(task.machine, 1.0, 1.0)};
+  const ProgramFile file{"part.ngc", part_of(task.machine, 1.0, 1.0)};
   const ProgramResult free = run_free_plan(file, task, options, {}), begun = profiles(task, 1.0);
   ASSERT_TRUE(free.verification.feasible) << free.message;
   EXPECT_LE(rms_of_x(free, x), task.machine.axes[0].force_rms_max * (1.0 + 1e-9));
