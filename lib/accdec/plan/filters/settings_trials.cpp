@@ -5,6 +5,7 @@
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/limited_repair.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
@@ -25,9 +26,10 @@ constexpr std::size_t small_program = 2'000;
 double work_of_schedule(const ScheduledPlan& plan) {
   return 2e-4 + 1.5e-6 * static_cast<double>(plan.path.blocks()) * (plan.plan.rounds + 1);
 }
-double work_of_kept(const Toolpath& path, const ProgramPlan& plan) {
-  return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 7e-4 * plan.rounds;
+double work_of_kept(const Toolpath& path, const LimitedPlan& plan) {
+  return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 2.5e-6 * plan.repairs;
 }
+constexpr double repairs_a_block = 50.0;  // more than plans that hold need
 double work_of_pairs(const Toolpath& path) {
   return 2e-5 + 6e-7 * static_cast<double>(path.blocks());
 }
@@ -258,9 +260,10 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   if (keep_ || small) {
     limit_rapids(path, filter, task_.sample_period, machine_);
     snap_durations(path, filter, task_.sample_period, machine_);
-    ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, until);
+    const double repairs_max = repairs_a_block * static_cast<double>(path.blocks());
+    LimitedPlan plan = plan_with_limited_repair(path, filter, task_.sample_period, machine_, until, repairs_max);
     effort_.spend(work_of_kept(path, plan));
-    take(path, std::move(plan));
+    take(path, std::move(plan.plan));
   }
   return best;
 }
