@@ -300,10 +300,6 @@ class CurveTrials {
   std::vector<Choice> choices_;  // of every curve
 };
 
-}  // namespace
-
-namespace {
-
 std::size_t count_slower(const Toolpath& path, const std::vector<double>& programmed) {
   std::size_t count = 0;
   for (std::size_t b = 0; b < path.blocks(); ++b) count += path.duration[b] > programmed[b] ? 1 : 0;
