@@ -236,6 +236,15 @@ class CurveTrials {
     }
   }
 
+  /// One trial, at the feeds that need no delay.
+  ProgramPlan once(Repairs& repairs) {
+    repairs_ = repairs;
+    if (!choices_.empty()) trial([](const Choice&) { return 1.0; });
+    repairs = repairs_;
+    path_.duration = best_duration_;
+    return std::move(best_);
+  }
+
   ProgramPlan run() {
     if (!choices_.empty()) {
       int left = static_cast<int>(std::clamp<std::size_t>(work_max / path_.blocks(), 3, 16));
@@ -276,8 +285,7 @@ class CurveTrials {
       }
     }
     if (same || deadline_.over()) return;
-    Repairs repairs;
-    ProgramPlan plan = plan_at_feeds(path_, filter_, period_, machine_, deadline_, repairs);
+    ProgramPlan plan = plan_at_feeds(path_, filter_, period_, machine_, deadline_, repairs_);
     if (!all_holds(plan)) return;
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       const double time = curve_time(feeds_.curves[i], path_.duration, plan.delays, period_);
@@ -298,6 +306,7 @@ class CurveTrials {
   std::vector<double> best_duration_;
   CurveFeeds feeds_;
   std::vector<Choice> choices_;  // of every curve
+  Repairs repairs_;
 };
 
 std::size_t count_slower(const Toolpath& path, const std::vector<double>& programmed) {
@@ -313,6 +322,13 @@ LimitedPlan plan_with_limited_repair(Toolpath& path, const Filter& filter, doubl
   const std::vector<double> programmed = path.duration;
   Repairs repairs{repairs_max};
   LimitedPlan result{plan_at_feeds(path, filter, sample_period, machine, deadline, repairs)};
+  // Some controls wait longer than any filter at every chord that needs a sample of delay: lower feeds are faster.
+  bool waits = false;
+  for (std::size_t b = 0; b + 1 < path.blocks() && !path.control.any(); ++b)
+    waits = waits || (!ends_leg(path, b) && result.plan.delays[b] > 0);
+  if (waits)
+    result.plan =
+        CurveTrials(path, filter, sample_period, machine, std::move(result.plan), programmed, deadline).once(repairs);
   result.plan.slowed += count_slower(path, programmed);
   result.repairs = repairs.done;
   return result;

@@ -10,6 +10,7 @@
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/feeds/curve_feeds.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
 #include <accdec/simulate/command_stream.hpp>
@@ -47,13 +48,28 @@ double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis)
   return (by_axis ? longest : path.length(b)) / path.duration[b] * period;
 }
 
+bool delays_curves(const Toolpath& path, const std::vector<int>& delays) {
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (!ends_leg(path, b) && delays[b] > 0) return true;
+  }
+  return false;
+}
+
 /// A program at its feeds, every corner with the delay that it needs by itself.
 class PairwiseTimes {
  public:
-  PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline)
+  /// @param slow_curves  lower the feeds inside legs to those that need no delay
+  PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline,
+                bool slow_curves)
       : filter_(filter) {
     ready_feeds(path, filter, period, machine);
     PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
+    if (slow_curves && delays_curves(path, delays.delays)) {
+      constexpr std::size_t most = 300'000;  // joints
+      const FilterBehind behind(filter, machine, period);
+      path.duration = curve_feeds(path, behind, period, delays.delays, path.duration, most).duration;
+      delays = pairwise_delays(path, filter, period, machine);
+    }
     if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
     const CommandTiming timing(path, period, delays.delays);
     any_ = static_cast<double>(timing.command_samples() + filter.order() + 1);
@@ -165,7 +181,8 @@ double SettingsTrials::any(const Filter& set) const {
   const double chosen = keep_ ? unlimited : scheduled(*filter, {});
   if (guesses_kept()) effort_.spend(work_of_pairs(path_));
   return guesses_kept()
-             ? std::min(chosen, PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock()).any())
+             ? std::min(chosen,
+                        PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock(), false).any())
              : chosen;
 }
 
@@ -176,7 +193,7 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
   if (guesses_kept()) {
-    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock());
+    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock(), true);
     effort_.spend(work_of_pairs(path_));
   }
   const auto time = [&](const ControlDelays& with) {
