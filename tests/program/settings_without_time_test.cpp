@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,33 @@ TEST(SettingsWithoutTime, MoreKindsOfDelaysAreNoSlower) {
   const double few = time({DelayKind::continuous}), stops = time({DelayKind::continuous, DelayKind::exact_stop});
   EXPECT_LE(time({DelayKind::continuous, DelayKind::in_position}), few * (1.0 + 1e-9));
   EXPECT_LE(time({DelayKind::continuous, DelayKind::exact_stop, DelayKind::in_position}), stops * (1.0 + 1e-9));
+}
+
+/// A control that only stops passes an arc without a stop at any chord. The feed keeps the tolerance: the error is
+/// v^2 s^2 T^2/(2 R) with the second moment s^2 of the taps.
+TEST(SettingsWithoutTime, AControlOfExactStopsLowersFeedsInsideArcs) {
+  constexpr double radius = 0.01, tolerance = 1e-6, feed = 0.1, straight = 0.04;  // m, m/s
+  const TemporaryFolder folder;
+  const std::string program = folder.write("arc.ngc", "G21 G90 G64 P0.001 F6000\nG1 X20\nG3 X20 Y20 J10\nG1 X0\nM2\n");
+  const Task task = test::averages_task(1, {DelayKind::continuous, DelayKind::exact_stop});
+  ProgramFileOptions options;
+  options.fixed.feeds = Feeds::keep;
+  const ProgramResult result = run_fixed_plan(read_program_file(program, task, options, {}), task, options, {});
+  ASSERT_TRUE(result.verification.feasible) << result.message;
+  for (std::size_t b = 0; b + 1 < result.plan.path.blocks(); ++b) {
+    if (result.plan.path.inside_arc[b] != 0) {
+      EXPECT_EQ(result.plan.delay(b), 0) << b;
+    }
+  }
+  const Filter& filter = result.plan.filter();
+  double square = 0.0;  // s^2
+  for (int i = 0; i <= filter.order(); ++i) square += filter.tap(i) * std::pow(i - filter.mean_delay(), 2);
+  const double slow = std::sqrt(2.0 * radius * tolerance / square) / task.sample_period;
+  // A boxcar starts and stops at the speed that its length and the limit of acceleration give.
+  const double starts = 6.0 * (filter.order() + 1) * task.sample_period, fastest = std::min(feed, starts);
+  const double arc = 3.141592653589793 * radius / std::min(fastest, slow);
+  const double filters = 8.0 * (filter.order() + 1) * task.sample_period;  // of stops and steps of feed
+  EXPECT_LT(result.cycle_time, straight / fastest + 1.1 * arc + filters);
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ TEST_F(ProgramCommand, ASearchForSettingsEndsAtTheSamePlace) {
   write("t.toml",
         "sample_period_ms = 1\n[controller]\nname = \"beckhoff-nc-ptp\"\n[program]\nerror_max_um = 20\n"
         "[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n");
-  Task task = read_task(folder_.path("t.toml"), {.require_corners = false});
+  const Task task = read_task(folder_.path("t.toml"), {.require_corners = false, .axes = 9});
   const Toolpath path = read_program_file(program, task, {}, {}).path;
   const auto found = [&](const Deadline& clock) {
     Effort effort(0.05, clock);

@@ -130,7 +130,7 @@ class Judge {
     }
   }
 
-  /// Of a filter of the family's shape: the time or number that the control cannot be set to. Empty: of another shape.
+  /// The time or number that the control cannot be set to. Empty: the filter has another shape than the family.
   std::string time_not_had(SettingFamily family) const {
     const bool cascade = family == SettingFamily::averages || family == SettingFamily::shaper;
     if (!cascade && filter_.pairs == 0 && is_shape(family))

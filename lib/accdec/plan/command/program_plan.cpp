@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/plan/command/limited_repair.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/command/repair.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
@@ -142,8 +143,13 @@ ProgramPlan check_program(const Toolpath& path, const Filter& filter, double sam
 
 namespace {
 
+/// See LimitedPlan.
+struct Repairs {
+  double most = unlimited, done = 0.0;
+};
+
 ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                      const Deadline& deadline, bool ramps) {
+                      const Deadline& deadline, bool ramps, Repairs& repairs) {
   PairwiseDelays pairwise = pairwise_delays(path, filter, sample_period, machine);
   std::vector<SlowedFeeds> too_fast = limit_feeds(path, filter, sample_period, machine, pairwise, ramps, deadline);
   const auto keep_given = [&] {
@@ -168,15 +174,19 @@ ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period
   int rounds = 0;
   // Far more than any program needed. A tolerance below the arithmetic's precision would never be met.
   constexpr int most_rounds = 2000;
-  while (!failing.empty() && rounds < most_rounds && !deadline.over()) {
+  const double most_repairs = repairs.done + repairs.most;
+  while (!failing.empty() && rounds < most_rounds && repairs.done < most_repairs && !deadline.over()) {
     ++rounds;
+    repairs.done += static_cast<double>(failing.raise.size() + failing.slow.size());
     failing = repair.round(failing, 1 + rounds / 8);
   }
   // At lowered feeds a joint alone may do with less than at the feeds before.
   pairwise = pairwise_delays(path, filter, sample_period, machine);
   keep_given();
-  for (std::size_t b = 0; b < path.blocks() && !deadline.over(); ++b) {
-    if (plan.delays[b] > pairwise.delays[b]) repair.lower(b, pairwise.delays[b]);
+  for (std::size_t b = 0; b < path.blocks() && repairs.done < most_repairs && !deadline.over(); ++b) {
+    if (plan.delays[b] <= pairwise.delays[b]) continue;
+    repair.lower(b, pairwise.delays[b]);
+    repairs.done += 1.0;
   }
   plan = check_program(path, filter, sample_period, machine, std::move(plan.delays));
   know_alone();
@@ -189,14 +199,14 @@ ProgramPlan plan_with(Toolpath& path, const Filter& filter, double sample_period
 /// in steps, each within the limits. If several blocks fit into one filter length, steps can still add up. Then every
 /// block gets a feed it can start and stop from.
 ProgramPlan plan_at_feeds(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
-                          const Deadline& deadline) {
+                          const Deadline& deadline, Repairs& repairs) {
   const std::vector<double> before = path.duration;
-  ProgramPlan plan = plan_with(path, filter, sample_period, machine, deadline, true);
+  ProgramPlan plan = plan_with(path, filter, sample_period, machine, deadline, true, repairs);
   settle_delays(path, filter, sample_period, machine, plan);
   if (plan.too_fast.empty() || all_holds(plan) || deadline.over()) return plan;
   std::vector<double> ramped = path.duration;
   path.duration = before;
-  ProgramPlan slow = plan_with(path, filter, sample_period, machine, deadline, false);
+  ProgramPlan slow = plan_with(path, filter, sample_period, machine, deadline, false, repairs);
   settle_delays(path, filter, sample_period, machine, slow);
   if (all_holds(slow)) return slow;
   path.duration = std::move(ramped);
@@ -224,6 +234,15 @@ class CurveTrials {
     for (const Curve& curve : feeds_.curves) {
       choices_.push_back({0.0, curve_time(curve, best_duration_, best_.delays, period_)});
     }
+  }
+
+  /// One trial, at the feeds that need no delay.
+  ProgramPlan once(Repairs& repairs) {
+    repairs_ = repairs;
+    if (!choices_.empty()) trial([](const Choice&) { return 1.0; });
+    repairs = repairs_;
+    path_.duration = best_duration_;
+    return std::move(best_);
   }
 
   ProgramPlan run() {
@@ -266,7 +285,7 @@ class CurveTrials {
       }
     }
     if (same || deadline_.over()) return;
-    ProgramPlan plan = plan_at_feeds(path_, filter_, period_, machine_, deadline_);
+    ProgramPlan plan = plan_at_feeds(path_, filter_, period_, machine_, deadline_, repairs_);
     if (!all_holds(plan)) return;
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       const double time = curve_time(feeds_.curves[i], path_.duration, plan.delays, period_);
@@ -287,18 +306,43 @@ class CurveTrials {
   std::vector<double> best_duration_;
   CurveFeeds feeds_;
   std::vector<Choice> choices_;  // of every curve
+  Repairs repairs_;
 };
 
+std::size_t count_slower(const Toolpath& path, const std::vector<double>& programmed) {
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < path.blocks(); ++b) count += path.duration[b] > programmed[b] ? 1 : 0;
+  return count;
+}
+
 }  // namespace
+
+LimitedPlan plan_with_limited_repair(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
+                                     const Deadline& deadline, double repairs_max) {
+  const std::vector<double> programmed = path.duration;
+  Repairs repairs{repairs_max};
+  LimitedPlan result{plan_at_feeds(path, filter, sample_period, machine, deadline, repairs)};
+  // Some controls wait longer than any filter at every chord that needs a sample of delay: lower feeds are faster.
+  bool waits = false;
+  for (std::size_t b = 0; b + 1 < path.blocks() && !path.control.any(); ++b)
+    waits = waits || (!ends_leg(path, b) && result.plan.delays[b] > 0);
+  if (waits)
+    result.plan =
+        CurveTrials(path, filter, sample_period, machine, std::move(result.plan), programmed, deadline).once(repairs);
+  result.plan.slowed += count_slower(path, programmed);
+  result.repairs = repairs.done;
+  return result;
+}
 
 ProgramPlan plan_program(Toolpath& path, const Filter& filter, double sample_period, const Machine& machine,
                          bool tune_curves, const Deadline& deadline) {
   const std::vector<double> programmed = path.duration;
-  ProgramPlan plan = plan_at_feeds(path, filter, sample_period, machine, deadline);
+  Repairs repairs;
+  ProgramPlan plan = plan_at_feeds(path, filter, sample_period, machine, deadline, repairs);
   if (tune_curves) {
     plan = CurveTrials(path, filter, sample_period, machine, std::move(plan), programmed, deadline).run();
   }
-  for (std::size_t b = 0; b < path.blocks(); ++b) plan.slowed += path.duration[b] > programmed[b] ? 1 : 0;
+  plan.slowed += count_slower(path, programmed);
   return plan;
 }
 

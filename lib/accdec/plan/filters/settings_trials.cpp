@@ -5,10 +5,12 @@
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/command/limited_repair.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/feeds/curve_feeds.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
 #include <accdec/simulate/command_stream.hpp>
@@ -25,9 +27,10 @@ constexpr std::size_t small_program = 2'000;
 double work_of_schedule(const ScheduledPlan& plan) {
   return 2e-4 + 1.5e-6 * static_cast<double>(plan.path.blocks()) * (plan.plan.rounds + 1);
 }
-double work_of_kept(const Toolpath& path, const ProgramPlan& plan) {
-  return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 7e-4 * plan.rounds;
+double work_of_kept(const Toolpath& path, const LimitedPlan& plan) {
+  return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 2.5e-6 * plan.repairs;
 }
+constexpr double repairs_a_block = 50.0;  // more than plans that hold need
 double work_of_pairs(const Toolpath& path) {
   return 2e-5 + 6e-7 * static_cast<double>(path.blocks());
 }
@@ -45,13 +48,28 @@ double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis)
   return (by_axis ? longest : path.length(b)) / path.duration[b] * period;
 }
 
+bool delays_curves(const Toolpath& path, const std::vector<int>& delays) {
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if (!ends_leg(path, b) && delays[b] > 0) return true;
+  }
+  return false;
+}
+
 /// A program at its feeds, every corner with the delay that it needs by itself.
 class PairwiseTimes {
  public:
-  PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline)
+  /// @param slow_curves  lower the feeds inside legs to those that need no delay
+  PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline,
+                bool slow_curves)
       : filter_(filter) {
     ready_feeds(path, filter, period, machine);
     PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
+    if (slow_curves && delays_curves(path, delays.delays)) {
+      constexpr std::size_t most = 300'000;  // joints
+      const FilterBehind behind(filter, machine, period);
+      path.duration = curve_feeds(path, behind, period, delays.delays, path.duration, most).duration;
+      delays = pairwise_delays(path, filter, period, machine);
+    }
     if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
     const CommandTiming timing(path, period, delays.delays);
     any_ = static_cast<double>(timing.command_samples() + filter.order() + 1);
@@ -163,7 +181,8 @@ double SettingsTrials::any(const Filter& set) const {
   const double chosen = keep_ ? unlimited : scheduled(*filter, {});
   if (guesses_kept()) effort_.spend(work_of_pairs(path_));
   return guesses_kept()
-             ? std::min(chosen, PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock()).any())
+             ? std::min(chosen,
+                        PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock(), false).any())
              : chosen;
 }
 
@@ -174,7 +193,7 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
   if (guesses_kept()) {
-    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock());
+    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock(), true);
     effort_.spend(work_of_pairs(path_));
   }
   const auto time = [&](const ControlDelays& with) {
@@ -258,9 +277,10 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   if (keep_ || small) {
     limit_rapids(path, filter, task_.sample_period, machine_);
     snap_durations(path, filter, task_.sample_period, machine_);
-    ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, until);
+    const double repairs_max = repairs_a_block * static_cast<double>(path.blocks());
+    LimitedPlan plan = plan_with_limited_repair(path, filter, task_.sample_period, machine_, until, repairs_max);
     effort_.spend(work_of_kept(path, plan));
-    take(path, std::move(plan));
+    take(path, std::move(plan.plan));
   }
   return best;
 }

@@ -91,8 +91,13 @@ class SummaryText {
   }
 
   void head() {
-    put("{}: {} blocks in {} straight moves, {} corners, {} delayed, {} at rest\n", printable(result_.program),
-        result_.programmed_blocks, result_.programmed_moves, result_.corners, result_.delayed, result_.at_rest);
+    const Toolpath& path = result_.plan.path;
+    std::size_t inside = 0;  // they are no corners
+    for (std::size_t b = 0; b + 1 < path.blocks() && result_.plan.command() != nullptr; ++b)
+      inside += path.inside_arc[b] != 0 && result_.plan.delay(b) > 0 ? 1 : 0;
+    put("{}: {} blocks in {} straight moves, {} corners, {} delayed, {} at rest{}\n", printable(result_.program),
+        result_.programmed_blocks, result_.programmed_moves, result_.corners, result_.delayed, result_.at_rest,
+        inside > 0 ? fmt::format("; {} points inside arcs delayed", inside) : "");
     const int taps = result_.plan.set().order() + 1;
     put("plan {}, {}, T = {:.6g} ms, {} samples\n\n", result_.plan.name(),
         result_.plan.command() != nullptr ? fmt::format("filter of {} taps", taps)

@@ -9,7 +9,7 @@
 namespace accdec {
 namespace {
 
-constexpr double replans_max = 200.0;         // whole plans
+constexpr double replans_max = 200.0;          // whole plans
 constexpr double replanned_samples_max = 1e7;  // of them all
 
 void slow_feeds(Toolpath& path, Machine& machine, double factor) {
@@ -58,7 +58,8 @@ std::optional<CoolProfiles> cool_profiles(const Toolpath& path, const Machine& m
     slow.excess = excess_of(slow.path, slow.plan, machine, sample_period);
     return slow;
   };
-  const double trials = std::min(replans_max, replanned_samples_max / static_cast<double>(std::max<std::int64_t>(1, first.samples)));
+  const double trials =
+      std::min(replans_max, replanned_samples_max / static_cast<double>(std::max<std::int64_t>(1, first.samples)));
   return Cooling<CoolProfiles>(std::move(first), machine.axes.size() + 1, trials, slowed, deadline).run();
 }
 
