@@ -99,7 +99,9 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   Task any = task;
   any.settings.reset();
   choice = taps_for_program(path, any, own, tell);
-  if (choice.filter)
+  if (choice.designed)
+    offer_averages(path, task, keep, until(), choice);
+  else if (choice.filter)
     choice.settings = {.chosen = taps_to_set(task, *choice.filter),
                        .width = width_for_program(path, task, *choice.filter, keep, until())};
   return choice;
