@@ -158,6 +158,20 @@ TEST(CliIdentify, ALogFasterThanTheControlIsNamed) {
   EXPECT_THAT(done.err, HasSubstr("the log is faster than the control"));
 }
 
+/// A drive logs each position of the control four times, and the control's clock lies anywhere among them.
+TEST(CliIdentify, ALogMayHaveSeveralRowsASample) {
+  const std::vector<std::string> rows = move_behind({22, 15});
+  for (const std::size_t later : {0U, 1U, 3U}) {
+    std::vector<std::string> drive;
+    for (std::size_t k = 0; k < 4 * rows.size(); ++k) {
+      const std::string& row = rows[(k + 3 - later) / 4 < rows.size() ? (k + 3 - later) / 4 : rows.size() - 1];
+      drive.push_back(fmt::format("{:.2f},{}", 0.25 * static_cast<double>(k), row.substr(row.find(',') + 1)));
+    }
+    const std::string log = table("t_ms,x_mm", drive);
+    EXPECT_THAT(Files().identify(log, {"--feed-mm-min", "6000"}).out, HasSubstr("lengths = [22, 15]")) << later;
+  }
+}
+
 struct BadLog {
   const char* name;
   std::string text, position, message;
@@ -174,7 +188,8 @@ std::vector<BadLog> bad_logs() {
   gap.erase(gap.begin() + 100, gap.begin() + 103);
   const std::vector<std::string> ends_moving(good.begin(), good.begin() + 150);
   const std::vector<std::string> starts_moving(good.begin() + 100, good.end());
-  std::vector<std::string> slower;
+  std::vector<std::string> slower, third;
+  for (std::size_t k = 0; k < good.size(); k += 3) third.push_back(good[k]);
   for (std::size_t k = 0; k < good.size(); ++k)
     slower.push_back(fmt::format("{:.2f}{}", 1.05 * static_cast<double>(k), good[k].substr(good[k].find(','))));
   const std::vector<std::string> few(good.begin(), good.begin() + 19);
@@ -198,6 +213,7 @@ std::vector<BadLog> bad_logs() {
       {"TimeStandsStill", with(30, good[29]), ":32:1: ", "allowed are rising times"},
       {"TimeGoesBack", with(30, "3,1"), ":32:1: ", "allowed are rising times"},
       {"SamplesMissing", table("t_ms,x_mm", gap), ":102:1: ", "4 ms after the one before; allowed is the task's"},
+      {"EveryThirdSample", table("t_ms,x_mm", third), ":3:1: ", "or set `sample_period_ms` = 3 to find the filter"},
       {"OfAnotherPeriod", table("t_ms,x_mm", slower), ": ",
        "samples are 1.05 ms apart, the task's sample period is 1 ms; allowed are"},
       {"TimeInSeconds", table("t_s,x_mm", good), ":3:1: ", "1000 times as long: is the unit of the time right?"},

@@ -86,15 +86,13 @@ TEST_F(ProgramCommand, TapsOfAControlAreComparedWithTodaysSetting) {
       const auto record = nlohmann::json::parse(read("r.json"));
       const double time = record["cycle_time_s"], before = record["settings"]["today_s"];
       EXPECT_NEAR(before, old["cycle_time_s"].get<double>(), 1e-9) << control << filter;
-      // Taps designed for any delays need not suit a control that waits in-position at every end.
-      const bool slower = time > before;
-      EXPECT_TRUE(!slower || (filter.empty() && control == "delays = \"in-position\"\n"));
+      // Taps designed for any delays need not suit a control that waits in-position at every end: averages may.
+      EXPECT_LE(time, before + 1e-9) << control << filter;
       const std::string saved =
-          slower ? "it is the faster one, keep it."
-                 : fmt::format("retuning saves {:.4g} s ({:.1f} %).", before - time, 100.0 * (1.0 - time / before));
+          fmt::format("retuning saves {:.4g} s ({:.1f} %).", before - time, 100.0 * (1.0 - time / before));
       EXPECT_THAT(read("out"),
                   HasSubstr(fmt::format("Today's setting takes {:.6g} s as planned here; {}", before, saved)));
-      EXPECT_THAT(read("r.html"), HasSubstr(slower ? "it is the faster one" : "retuning saves"));
+      EXPECT_THAT(read("r.html"), HasSubstr("retuning saves"));
       const Output verified = run("verify r.json");
       EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
       EXPECT_EQ(record["filter"]["taps"].size() == 29U, !filter.empty()) << "the task's own";

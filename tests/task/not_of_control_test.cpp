@@ -13,8 +13,8 @@
 namespace accdec {
 namespace {
 
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr double period = 1e-3;
 

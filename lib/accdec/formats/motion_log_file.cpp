@@ -21,6 +21,7 @@ namespace accdec {
 namespace {
 
 constexpr double jitter_max = 0.1;  // of a sample period
+constexpr int most_rows = 100;      // of a log in a sample period; more are a wrong unit of the time
 constexpr const char* allowed_columns =
     "allowed are one time (t_s, t_ms or t_us, or time_ ..) and axes with their unit (x_mm, y_um, z_m, a_deg); "
     "names without unit take those of --units, such as s,mm";
@@ -54,6 +55,7 @@ class LogReader {
       throw InputError(name_, last_line_, 1,
                        "has no samples behind its header; needed are those of a move from rest to rest");
     check_pace();
+    for (std::vector<double>& position : log_.position) keep_one_a_period(position);
     return std::move(log_);
   }
 
@@ -103,40 +105,68 @@ class LogReader {
   }
 
   void time(double now, long line, long column) {
+    if (count_ == 1 && now > last_) find_rows(now - last_);
+    const double step = period_ / rows_;
     if (!begin_) {
       begin_ = now;
     } else if (!(now > last_)) {
       throw InputError(
           name_, line, column,
           fmt::format("the time {:.9g} s is not after the {:.9g} s before it; allowed are rising times", now, last_));
-    } else if (std::abs(now - last_ - period_) > jitter_max * period_ && !uneven_) {
+    } else if (std::abs(now - last_ - step) > jitter_max * step && !uneven_) {
       uneven_ = {line, column, now - last_};
     }
     last_ = now;
     ++count_;
   }
 
+  /// A log may have several rows a sample period, such as those of a drive. @param step  s, between its first two rows
+  void find_rows(double step) {
+    const double rows = std::round(period_ / step);
+    if (rows >= 2.0 && rows <= most_rows && std::abs(period_ / rows - step) <= jitter_max * step)
+      rows_ = static_cast<int>(rows);
+  }
+  void keep_one_a_period(std::vector<double>& position) const {
+    const auto rows = static_cast<std::size_t>(rows_);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < position.size(); k += rows) position[kept++] = position[k];
+    position.resize(kept);
+  }
+  /// s; 0 of fewer than two rows.
+  double mean_step() const { return count_ > 1 ? (last_ - *begin_) / (count_ - 1) : 0.0; }
+
   /// A wrong unit is said as such: it makes all steps wrong.
   void check_pace() const {
-    const double mean = count_ > 1 ? (last_ - *begin_) / (count_ - 1) : 0.0;
-    if (!uneven_) return check_mean(mean);
+    const double mean = mean_step(), step = period_ / rows_;
+    if (!uneven_) return check_mean();
     std::string hint;
     for (const double factor : {1e-6, 1e-3, 1e3, 1e6}) {
       if (std::abs(mean * factor - period_) < jitter_max * period_)
         hint = fmt::format("; all steps are {:g} times as long: is the unit of the time right?", 1.0 / factor);
     }
-    if (hint.empty() && std::abs(mean - period_) > jitter_max * period_)
-      hint = fmt::format("; on the whole, samples are {:.6g} ms apart", 1e3 * mean);
+    if (hint.empty() && std::abs(mean - step) > jitter_max * step)
+      hint = fmt::format("; on the whole, samples are {:.6g} ms apart{}", 1e3 * mean, of_whole_periods(mean));
     throw InputError(name_, uneven_->line, uneven_->column,
                      fmt::format("this sample comes {:.6g} ms after the one before; allowed is the task's sample "
-                                 "period, {:.6g} ms, to a tenth{}",
+                                 "period, {:.6g} ms, or a whole part of it, to a tenth{}",
                                  1e3 * uneven_->step, 1e3 * period_, hint));
+  }
+
+  /// Advice for a log that leaves out samples.
+  std::string of_whole_periods(double mean) const {
+    const double periods = std::round(mean / period_);
+    if (periods < 2.0 || periods > most_rows || std::abs(mean / period_ - periods) > jitter_max) return "";
+    return fmt::format(
+        ", one for {:g} sample periods: log every sample, or set `sample_period_ms` = {:.6g} to find the filter in "
+        "steps of that",
+        periods, 1e3 * periods * period_);
   }
 
   /// Steps that all differ a little from the task's period are of another period. Rounded times move the first and the
   /// last by a part of a sample, and the clocks of two computers differ by less than a thousandth.
-  void check_mean(double mean) const {
+  void check_mean() const {
     constexpr double clocks = 1e-3;
+    const double mean = mean_step() * rows_;
     if (count_ < 2 || std::abs(mean - period_) <= std::max(clocks, 2.0 * jitter_max / (count_ - 1)) * period_) return;
     throw InputError(name_, 0, 0,
                      fmt::format("samples are {:.6g} ms apart, the task's sample period is {:.6g} ms; allowed are logs "
@@ -156,6 +186,7 @@ class LogReader {
   std::optional<double> begin_;
   double last_ = 0.0;
   long count_ = 0;
+  int rows_ = 1;        // a sample period
   long last_line_ = 1;  // that is not empty
   std::optional<Uneven> uneven_;
 };

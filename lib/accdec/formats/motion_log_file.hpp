@@ -19,7 +19,7 @@ ColumnUnits column_units(const std::string& text);
 /// Reads a log of positions: a table with a header, commas or blanks between its columns. Lines that begin with # are
 /// passed over. One column is the time (t_s, t_ms, t_us, or time_ ..), the others are axes with their unit (x_mm, y_um,
 /// z_m, a_deg). A column without known unit is refused unless `units` has it. There must be a sample every sample
-/// period: times may be off by a tenth of it.
+/// period, or whole numbers of them of which the first is taken: times may be off by a tenth of their step.
 /// @param period  s
 /// @throws InputError with line and column, and what is allowed
 MotionLog read_motion_log(const std::string& path, double period, const ColumnUnits& units = {});

@@ -284,19 +284,50 @@ bool is_todays(const Task& task, const Filter& filter) {
   return today != nullptr && same_taps(filter, make_filter(*today));
 }
 
+namespace {
+
+/// The least time with a filter and the width that it needs. For want of a plan that holds, the width is a guess: a
+/// slower plan with it may.
+TimedSetting timed(const SettingsTrials& trials, const Filter& filter) {
+  const TimedSetting guess = trials.guess(filter, trials.any(filter), 0.0);
+  const TimedSetting time = trials.refined(filter, trials.plan(filter, guess.width, true));
+  return time.samples < unlimited ? time : TimedSetting{unlimited, guess.width};
+}
+
+}  // namespace
+
 ChosenSettings taps_to_set(const Task& task, const Filter& set) {
   ChosenSettings chosen = as_settings(set);
-  if (task.filter && same_taps(set, make_filter(*task.filter))) chosen.filter = *task.filter;
+  for (const auto* given : {&task.baseline, &task.filter}) {
+    if (*given && same_taps(set, make_filter(**given))) chosen.filter = **given;
+  }
   return chosen;
 }
 
 double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep, Effort effort) {
   if (task.settings->any_delay() || !task.settings->names(DelayKind::in_position)) return 0.0;
+  return timed(SettingsTrials(path, task, keep, effort), filter).width;
+}
+
+void offer_averages(const Toolpath& path, const Task& task, bool keep, Effort effort, ProgramFilter& choice) {
   const SettingsTrials trials(path, task, keep, effort);
-  const TimedSetting guess = trials.guess(filter, trials.any(filter), 0.0);
-  const TimedSetting time = trials.refined(filter, trials.plan(filter, guess.width, true));
-  // For want of a plan that holds: a slower plan with the guess may.
-  return time.samples < unlimited ? time.width : guess.width;
+  double best = unlimited;
+  const auto offer = [&](const Filter& filter, const KnownPlan& plan) {
+    const TimedSetting time = timed(trials, filter);
+    if (choice.filter && !(time.samples < best)) return;
+    best = time.samples;
+    choice.filter = filter, choice.plan = plan;
+    choice.settings = {.chosen = taps_to_set(task, filter), .width = time.width};
+  };
+  const auto offer_shape = [&](const FilterSpec& shape) {
+    const Filter filter = make_filter(shape);
+    if (filter.order() >= task.design.order_min && filter.order() <= task.design.order_max) offer(filter, {});
+  };
+  if (choice.filter) offer(Filter(*std::exchange(choice.filter, std::nullopt)), KnownPlan(choice.plan));
+  if (const FilterSpec* today = todays_filter(task)) offer_shape(*today);
+  Task averages = task;
+  averages.settings->families = {SettingFamily::averages}, averages.settings->stages.assign(2, {});
+  if (const auto found = settings_for_program(path, averages, keep, effort, {})) offer_shape(found->chosen.filter);
 }
 
 std::string corner_without_stop(const Toolpath& path, const Task& task) {

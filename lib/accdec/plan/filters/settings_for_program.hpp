@@ -50,12 +50,17 @@ std::string todays_filter_not_had(const Task& task);
 /// Whether a filter is that one.
 bool is_todays(const Task& task, const Filter& filter);
 
-/// The taps of a plan as what to set: the task's own filter as it is given, or any taps.
+/// The taps of a plan as what to set: the task's own filter or today's as it is given, or any taps.
 ChosenSettings taps_to_set(const Task& task, const Filter& set);
 
 /// The in-position width, m, with which the program takes the least time with a given filter; 0 if the control has
 /// none.
 /// @param task  with settings
 double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep, Effort effort);
+
+/// Puts two averages, or today's filter, in place of taps that were designed for delays of any number of samples. It
+/// does so if the program is planned faster with them and the control's own delays. Sets the width, too.
+/// @param task    with settings of free taps  @param choice  the taps; none if no filter was found
+void offer_averages(const Toolpath& path, const Task& task, bool keep, Effort effort, ProgramFilter& choice);
 
 }  // namespace accdec

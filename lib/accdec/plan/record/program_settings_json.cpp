@@ -88,8 +88,8 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
     if (json.has("guessed")) settings.guessed = json["guessed"].integer<long>();
     settings.complete = json["complete"].boolean();
     if (json.has("search_limit_s")) settings.search_limit = json["search_limit_s"].number();
-    settings.is_today = result.plan.command() != nullptr && is_todays(task, result.plan.set());
   }
+  settings.is_today = result.plan.command() != nullptr && is_todays(task, result.plan.set());
   settings.chosen.family = *family;
   settings.today_not_had = todays_filter_not_had(task);
   for (const Value& value : json["values"].elements())

@@ -96,10 +96,12 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   Task any = task;
   any.settings.reset();
   choice = taps_for_program(path, any, own, tell);
-  if (choice.filter)
-    choice.settings = {
-        .chosen = taps_to_set(task, *choice.filter),
-        .width = width_for_program(path, task, *choice.filter, keep, settings_effort(path, options, 1.0))};
+  const Effort effort = settings_effort(path, options, 1.0);
+  if (choice.designed)
+    offer_averages(path, task, keep, effort, choice);
+  else if (choice.filter)
+    choice.settings = {.chosen = taps_to_set(task, *choice.filter),
+                       .width = width_for_program(path, task, *choice.filter, keep, effort)};
   return choice;
 }
 
