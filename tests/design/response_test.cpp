@@ -343,5 +343,24 @@ TEST(DesignBehindAServo, AxesThatDifferAreDesignedAndVerified) {
   EXPECT_TRUE(verify_result(undershoots, {}).accepted);
 }
 
+/// From 0 to 0.1 m/s under a jerk of 500 m/s^3 takes 2 sqrt(0.1/500) s, that is 28 ms: few taps cannot.
+TEST(DesignBehindAServo, LimitsWithoutADesignAreNamedWhateverIsProved) {
+  DesignOptions options;
+  options.time_limit = 60.0;
+  Task differ = with_gain(everyday(), 200.0);
+  differ.machine.axes[1].servo_gain = 180.0;
+  differ.design.order_max = 5;
+  const DesignResult unproved = design_task(differ, options);
+  EXPECT_EQ(unproved.status, Status::failed);
+  EXPECT_THAT(unproved.message, HasSubstr("limits in conflict (by search, not proved): "));
+  EXPECT_THAT(unproved.message, HasSubstr("jerk"));
+  Task supply = with_force(everyday(), 1e5);
+  supply.machine.power_total_max = 1e6;
+  supply.design.order_max = 5;
+  const DesignResult proved_in_part = design_task(supply, options);
+  EXPECT_EQ(proved_in_part.status, Status::infeasible);
+  EXPECT_THAT(proved_in_part.message, HasSubstr("jerk"));
+}
+
 }  // namespace
 }  // namespace accdec

@@ -126,10 +126,10 @@ void expect_feed_on_arc(double kx, double ky, double radius, double bound) {
     EXPECT_LE(plan.contour, bound * (1.0 + 1e-9) + 1e-12);
     const Toolpath& path = plan.result.plan.path;
     double way = 0.0, time = 0.0;
-    for (std::size_t b = 0; b < path.blocks(); ++b) {
-      if (path.inside_arc[b] != 0) way += path.length(b), time += path.duration[b];
-    }
-    EXPECT_NEAR(way, std::numbers::pi * radius, 1e-3);
+    ASSERT_EQ(path.arcs.size(), 1U);
+    for (std::size_t b = path.arcs[0].first; b <= path.arcs[0].last; ++b)
+      way += path.length(b), time += path.duration[b];
+    EXPECT_NEAR(way, std::numbers::pi * radius, 1e-4 * radius);
     EXPECT_LE(way / time, 1.005 * fastest);
     EXPECT_GE(way / time, 0.95 * fastest);
   }
