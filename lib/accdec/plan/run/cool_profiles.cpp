@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <accdec/plan/report/axis_loads.hpp>
@@ -9,7 +9,7 @@
 namespace accdec {
 namespace {
 
-constexpr double replans_max = 200.0;         // whole plans
+constexpr double replans_max = 200.0;          // whole plans
 constexpr double replanned_samples_max = 1e7;  // of them all
 
 void slow_feeds(Toolpath& path, Machine& machine, double factor) {
@@ -53,12 +53,17 @@ std::optional<CoolProfiles> cool_profiles(const Toolpath& path, const Machine& m
     if (group == 0) slow_down(slow.path, slow.machine, factor);
     if (group == 1) slow_feeds(slow.path, slow.machine, factor);
     if (group >= 2) slow_ramps(slow.machine.axes[group - 2], factor);
-    slow.plan = plan_profiles(slow.path, slow.machine, sample_period, deadline);
+    try {
+      slow.plan = plan_profiles(slow.path, slow.machine, sample_period, deadline);
+    } catch (const std::invalid_argument&) {
+      return slow;  // the time ended before a last filter was found, or lower feeds have none
+    }
     slow.samples = slow.plan.check.samples;
     slow.excess = excess_of(slow.path, slow.plan, machine, sample_period);
     return slow;
   };
-  const double trials = std::min(replans_max, replanned_samples_max / static_cast<double>(std::max<std::int64_t>(1, first.samples)));
+  const double trials =
+      std::min(replans_max, replanned_samples_max / static_cast<double>(std::max<std::int64_t>(1, first.samples)));
   return Cooling<CoolProfiles>(std::move(first), machine.axes.size() + 1, trials, slowed, deadline).run();
 }
 
