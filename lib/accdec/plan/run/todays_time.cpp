@@ -16,7 +16,8 @@ TodaysTime todays_time(Toolpath path, const Task& task, Feeds feeds, const Deadl
   mark_waits(path, control_of(*task.settings, 0.0));
   // A time limit changes no work, so that whoever has none finds the same.
   const Effort effort(usual_seconds(path.blocks()), width);
-  give_control(path, planned_control(*task.settings, width_for_program(path, task, filter, feeds == Feeds::keep, effort)));
+  give_control(path,
+               planned_control(*task.settings, width_for_program(path, task, filter, feeds == Feeds::keep, effort)));
   const ProgramResult planned = run_program({"", std::move(path), task, feeds, plan}, filter);
   return {planned.verification.feasible ? planned.cycle_time : unlimited, plan.over() || effort.ended_by_clock()};
 }
