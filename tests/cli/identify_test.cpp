@@ -219,7 +219,7 @@ std::vector<BadLog> bad_logs() {
       {"TimeInSeconds", table("t_s,x_mm", good), ":3:1: ", "1000 times as long: is the unit of the time right?"},
       {"TimeInMicroseconds", table("t_us,x_mm", good), ":3:1: ", "0.001 times as long: is the unit of the time right?"},
       {"WayInMetres", table("t_ms,x_m", good), ": ", "100 m/s; allowed are 20 m/s: are the units of the positions"},
-      {"TooShort", table("t_ms,x_mm", few), ": ", "the log has 19 samples; allowed are 20 or more"},
+      {"TooShort", table("t_ms,x_mm", few), ":20:1: ", "the log ends here, after 19 samples; allowed are 20 or more"},
       {"EndsMoving", table("t_ms,x_mm", ends_moving), ": ", "must begin and end at rest"},
       {"StartsMoving", table("t_ms,x_mm", starts_moving), ": ", "must begin and end at rest"},
       {"NeverMoves", table("t_ms,x_mm", std::vector<std::string>(good.begin(), good.begin() + 50)), ": ",

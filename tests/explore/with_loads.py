@@ -45,6 +45,9 @@ def loads_of_motion(name, plan, result, period):
         peak = next(load["force_peak_N"] for load in result["axis_loads"] if load["axis"] == axis)
         most = max(map(abs, force["values"]))
         check(abs(most - peak) <= 5.1e-4, f"{name}: {most} N of {axis} at most, accdec program says {peak} N")
+        rms = next(load["force_rms_N"] for load in result["axis_loads"] if load["axis"] == axis)
+        same = abs(force["peak"] - peak) <= 5.1e-5 and abs(force["rms"] - rms) <= 5.1e-5 and force["rating"] is None
+        check(same, f"{name}: peak and root mean square of {axis} over the program")
         if "servo" in name:
             continue  # the velocities are those of the command
         # Velocities are rounded to 1e-4 mm/s.

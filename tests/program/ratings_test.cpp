@@ -82,7 +82,9 @@ ProgramResult profiles(const Task& task, double feed) {
   return run_profiles({"part.ngc", part_of(task.machine, feed, 1.0), task});
 }
 
-/// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes.
+/// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes. Under a
+/// jerk limit, the last filter changes by whole samples with the acceleration: the search goes by steps of 5 %, and
+/// ends that far from the best of the sweep at most.
 TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
   for (const double jerk : {unlimited, 50.0}) {
     Task free = rubbing_task();
@@ -106,7 +108,7 @@ TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
           if (slow.verification.feasible && rms_of_x(slow, x) <= rating) best = std::min(best, slow.cycle_time);
         }
       }
-      EXPECT_LE(cool.cycle_time, 1.01 * best) << part << " of what it had, jerk " << jerk;
+      EXPECT_LE(cool.cycle_time, (jerk < unlimited ? 1.05 : 1.01) * best) << part << " of what it had, jerk " << jerk;
     }
   }
 }

@@ -94,6 +94,13 @@ class Loads {
                       {"unit", curve.unit},
                       {"bounds", {bound(curve.high), bound(curve.low)}},
                       {"values", curve.values}});
+      if (curve.kind != LimitKind::force) continue;
+      for (const AxisLoad& load : result.loads) {
+        if (load.axis != curve.axis) continue;
+        json.back()["peak"] = rounded(curve.factor * load.peak);
+        json.back()["rms"] = rounded(curve.factor * load.rms);
+        json.back()["rating"] = bound(curve.factor * load.rms_max);
+      }
     }
     return json;
   }

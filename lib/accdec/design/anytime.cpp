@@ -76,8 +76,12 @@ class Anytime {
   DesignResult run_in_part() {
     exact_ = DesignResult();
     const bool ideal = Response(task_.machine, task_.sample_period).ideal();
-    coarse(0.1);
+    // Bounds of the order do not see a shared supply. A shape does, and the local solvers need many times as long for
+    // many taps.
+    const bool supply = limits_supply(task_.machine);
+    if (!supply) coarse(0.1);
     shapes(ideal ? 0.1 : 0.4);
+    if (supply) coarse(0.4, best_ ? best_->filter->order() : 0);
     linear_part(0.2);
     const bool finished = bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
     judge();
@@ -176,9 +180,10 @@ class Anytime {
     if (!exact_ || !exact_->has_design() || result.objective() < exact_->objective()) offer_design(std::move(result));
   }
 
-  void coarse(double share) {
+  /// @param known_order  see coarse_design
+  void coarse(double share, int known_order = 0) {
     if (over()) return;
-    if (auto result = coarse_design(task_, options_, std::min(share * options_.time_limit, left())))
+    if (auto result = coarse_design(task_, options_, std::min(share * options_.time_limit, left()), known_order))
       offer_design(std::move(*result));
   }
 

@@ -19,12 +19,15 @@ namespace {
 constexpr int coarse_taps = 24;
 
 /// By which whole number the period is lengthened; 1 if not at all.
-int longer_period(const Task& task) {
+int longer_period(const Task& task, int known_order) {
   const bool measured =
       !task.machine.prefilter_taps.empty() ||
       std::ranges::any_of(task.machine.axes, [](const Axis& axis) { return !axis.response_taps.empty(); });
   if (task.filter || measured || task.corners.size() > 100) return 1;
-  const int most = task.design.order_max, least = std::min(most, order_lower_bound(task, most));
+  // Free taps are mostly shorter by less than this.
+  constexpr double free_taps = 0.7;
+  const int most = task.design.order_max, guess = static_cast<int>(free_taps * known_order);
+  const int least = std::min(most, std::max(guess, order_lower_bound(task, most)));
   return least < 4 * coarse_taps ? 1 : least / coarse_taps;
 }
 
@@ -72,8 +75,9 @@ bool holds_alone(const Task& task, const Filter& filter) {
 
 }  // namespace
 
-std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions& options, double seconds) {
-  const int times = longer_period(task);
+std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions& options, double seconds,
+                                          int known_order) {
+  const int times = longer_period(task, known_order);
   if (times == 1) return std::nullopt;
   const auto began = std::chrono::steady_clock::now();
   DesignOptions coarse_options = options;

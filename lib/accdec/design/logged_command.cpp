@@ -11,7 +11,7 @@
 namespace accdec {
 namespace {
 
-constexpr Eigen::Index rest_least = 5;                // samples at rest before and after the motion
+constexpr int rest_least = log_rest_least;
 constexpr int steady_least = 6;                       // samples at constant speed in a leg
 constexpr double least_way = 1e-3;                    // of the longest leg; an axis that moves less rests
 constexpr double least_noise = 1e-4;                  // of a sample's step; less cannot be told from a log's last digit
@@ -31,9 +31,9 @@ class Finder {
   }
 
   LoggedCommand run() {
-    if (at_.cols() < 4 * rest_least)
+    if (at_.cols() < log_samples_least)
       throw std::invalid_argument(
-          fmt::format("the log has {} samples; allowed are {} or more", at_.cols(), 4 * rest_least));
+          fmt::format("the log has {} samples; allowed are {} or more", at_.cols(), log_samples_least));
     find_rests();
     LoggedCommand found;
     found.start = start_;

@@ -5,6 +5,9 @@
 
 namespace accdec {
 
+inline constexpr int log_rest_least = 5;                      ///< samples at rest before and after the motion
+inline constexpr int log_samples_least = 4 * log_rest_least;  ///< of a log
+
 /// Logged positions of a machine's axes, one sample a sample period.
 struct MotionLog {
   std::vector<std::string> axes;              ///< names: "x"

@@ -56,6 +56,10 @@ class LogReader {
                        "has no samples behind its header; needed are those of a move from rest to rest");
     check_pace();
     for (std::vector<double>& position : log_.position) keep_one_a_period(position);
+    if (log_.samples() < static_cast<std::size_t>(log_samples_least))
+      throw InputError(name_, last_line_, 1,
+                       fmt::format("the log ends here, after {} samples; allowed are {} or more", log_.samples(),
+                                   log_samples_least));
     return std::move(log_);
   }
 

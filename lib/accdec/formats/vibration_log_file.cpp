@@ -228,10 +228,14 @@ std::string modes_to_toml(const std::vector<FoundMode>& modes, const VibrationLo
   }
   if (!modes.empty())
     text += fmt::format(
-        "# a [[mode]] is within {:g} % of the frequency and {:g} % of the damping, as far as standard errors tell: in\n"
-        "# 99 of 100\n"
-        "# the power of a mode is that of it alone: those of modes that overlap may sum up to more than 100 %\n",
+        "# a [[mode]] is within {:g} % of the frequency and {:g} % of the damping in 99 of 100 cases, as far as\n"
+        "# standard errors tell\n",
         100.0 * promised_frequency, 100.0 * promised_damping);
+  const auto same_axis = [](const FoundMode& a, const FoundMode& b) { return a.axis == b.axis; };
+  if (std::ranges::adjacent_find(modes, same_axis) != modes.end())
+    text +=
+        "# the power of a mode is what it would have alone. Modes near each other share a part of the spectrum: so\n"
+        "# powers may sum up to more than 100 %\n";
   for (const ModeCost& cost : costs) {
     if (cost.more)
       text += fmt::format("# residual_max = {:g} costs {:.4g} ms{}\n", cost.residual, 1e3 * *cost.more,

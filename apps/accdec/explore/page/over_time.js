@@ -90,9 +90,15 @@ function rangeOf(speeds) {
   return most > 1.5 * cutting ? { range: [0, 1.5 * cutting], most } : { range: [0, 1.05 * most] };
 }
 
+/** Peak and root mean square of a force over the program. */
+function overProgram({ peak, rms, rating }) {
+  if (rms === undefined) return "";
+  return `, peak ${four(peak)}, root mean square ${four(rms)}${rating === null ? "" : ` of ${four(rating)} allowed`}`;
+}
+
 /** Charts of force and power, a row for every axis, then that of all axes together. @returns as rowsOf */
 function loadRows({ loads }) {
-  const charts = loads.map((load, i) => [titleOf(load), (p) => p.loads[i].values, load.bounds]);
+  const charts = loads.map((load, i) => [titleOf(load) + overProgram(load), (p) => p.loads[i].values, load.bounds]);
   const rows = new Map();
   loads.forEach(({ axis }, i) => rows.set(axis, [...(rows.get(axis) ?? []), charts[i]]));
   return [...rows.values()];

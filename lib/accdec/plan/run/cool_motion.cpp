@@ -21,6 +21,7 @@ std::string under_own_limits(const ProgramResult& profiles, ProgramResult lower,
   result.lower_bound = profiles.lower_bound;
   result.plan = {path, std::move(lower.plan.motion)};
   result.solver = lower.solver;
+  result.compensation = lower.compensation;
   result.rounds = lower.rounds;
   return judge_trajectory(result, machine);
 }

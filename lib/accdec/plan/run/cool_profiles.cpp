@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <accdec/plan/report/axis_loads.hpp>
@@ -47,20 +47,27 @@ std::optional<CoolProfiles> cool_profiles(const Toolpath& path, const Machine& m
   if (!has_ratings(machine)) return {};
   CoolProfiles first{path, machine, plan, plan.check.samples, excess_of(path, plan, machine, sample_period)};
   if (!(first.excess > 0.0 && first.excess < unlimited)) return {};
-  // All feeds are one group, the acceleration of every axis is another.
+  // Groups: all feeds, all accelerations, and that of every axis. Under a jerk limit all may have to fall, for a
+  // shorter last filter.
   const auto slowed = [&](const CoolProfiles& from, std::size_t group, double factor) {
     CoolProfiles slow{from.path, from.machine, {}};
     if (group == 0) slow_down(slow.path, slow.machine, factor);
     if (group == 1) slow_feeds(slow.path, slow.machine, factor);
-    if (group >= 2) slow_ramps(slow.machine.axes[group - 2], factor);
-    slow.plan = plan_profiles(slow.path, slow.machine, sample_period, deadline);
+    for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+      if (group == 2 || group == a + 3) slow_ramps(slow.machine.axes[a], factor);
+    }
+    try {
+      slow.plan = plan_profiles(slow.path, slow.machine, sample_period, deadline);
+    } catch (const std::invalid_argument&) {
+      return slow;  // the time ended before a last filter was found, or lower feeds have none
+    }
     slow.samples = slow.plan.check.samples;
     slow.excess = excess_of(slow.path, slow.plan, machine, sample_period);
     return slow;
   };
   const double trials =
       std::min(replans_max, replanned_samples_max / static_cast<double>(std::max<std::int64_t>(1, first.samples)));
-  return Cooling<CoolProfiles>(std::move(first), machine.axes.size() + 1, trials, slowed, deadline).run();
+  return Cooling<CoolProfiles>(std::move(first), machine.axes.size() + 2, trials, slowed, deadline).run();
 }
 
 }  // namespace accdec

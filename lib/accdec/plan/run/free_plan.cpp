@@ -164,7 +164,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   const double chords = file.reading.read.arc_tolerance;
   std::optional<CoolProfiles> limits;
   ProgramResult profiles = plan_profiles_first(file, task, options.deadline, &limits);
-  const bool rated = has_ratings(task.machine);
+  const bool rated = has_ratings(program_machine(task.machine, file.path));
   // Before one filter and the bounds, which may take all the time that is left; windows need some of it, too.
   options.free.tell("motions along arcs");
   std::optional<AlongPlan> along;
