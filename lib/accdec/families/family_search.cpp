@@ -25,6 +25,14 @@ bool may_hold_error(const Legs& legs, const TaskCorner& corner, double period, i
   return may_hold_error(legs, g.cos_interior(), g.feed_in * period, g.feed_out * period, delay, allowed);
 }
 
+QuickRefusals quick_refusals(const Task& task, const Task& on_taps) {
+  const Response response(task.machine, task.sample_period);
+  if (response.prefilter_order() == 0) return {on_taps, response.prefilter(), on_taps};
+  Task behind = task;
+  behind.machine.prefilter_taps.clear();
+  return {on_taps, response.prefilter(), *limits_on_taps(behind)};
+}
+
 }  // namespace
 
 FamilySearch::FamilySearch(const Task& task, const Family& baseline, double below, Members members)
@@ -34,7 +42,7 @@ FamilySearch::FamilySearch(const Task& task, const Family& baseline, double belo
       members_(std::move(members)),
       cost_(cost_of(task)),
       by_feed_(task.settings && task.settings->names(DelayKind::corner_feed)),
-      refusals_(*on_taps_),
+      refusals_(quick_refusals(task, *on_taps_)),
       cheapest_(below) {
   // Take all filters with taps of at most 1/L. Their distances p and q are smallest for some shift of the boxcar of L
   // taps or for a mixture of two neighbouring shifts. The reason is that the cost is convex in the tap's index. A
@@ -119,7 +127,7 @@ bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec&
 }
 
 void FamilySearch::offer(const FilterSpec& spec) {
-  if (refusals_.refuses_first_tap(spec)) return;
+  if (refusals_.refuses_first_taps(spec)) return;
   ++tried_;
   // A filter of a million taps has up to a million delays, or frequencies, to check.
   const auto late = [this] { return this->late(); };

@@ -34,7 +34,11 @@ constexpr std::size_t most_tones = 100;
 
 }  // namespace
 
-QuickRefusals::QuickRefusals(const Task& on_taps) : on_taps_(on_taps), bounds_(tap_bounds(granted_limits(on_taps))) {
+QuickRefusals::QuickRefusals(const Task& on_taps, std::vector<double> smoothing, const Task& behind)
+    : on_taps_(on_taps),
+      bounds_(tap_bounds(granted_limits(on_taps))),
+      smoothing_(std::move(smoothing)),
+      bounds_behind_(tap_bounds(granted_limits(behind))) {
   const double period = on_taps.sample_period;
   for (const TaskCorner& corner : on_taps_.corners) {
     const Corner& g = corner.geometry();
@@ -44,10 +48,14 @@ QuickRefusals::QuickRefusals(const Task& on_taps) : on_taps_(on_taps), bounds_(t
       if (std::max(in, out) > 0.0) speeds_.push_back({&on_taps_.machine.axes[a], in, out});
     }
   }
-  for (const Mode& mode : on_taps_.machine.modes) {
+  const Filter alone(smoothing_);
+  for (const Mode& mode : behind.machine.modes) {
     if (!mode.undamped()) continue;
     for (const double f : {mode.frequency_low, 0.5 * (mode.frequency_low + mode.frequency_high), mode.frequency_high}) {
-      tones_.push_back({2.0 * pi * f * period, mode.residual_max});
+      // The smoothing leaves a part of it.
+      const double left = std::max(1e-12, residual_vibration(alone, f, period));
+      tones_.push_back(
+          {2.0 * pi * f * period, smoothing_.size() == 1 ? mode.residual_max : (mode.residual_max + 1e-12) / left});
     }
   }
 }
@@ -63,19 +71,52 @@ bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec
   for (const int length : passed ? lengths.first(2) : lengths) first /= length;
   // An impulse between two samples is on both of them.
   if (!spec.whole_pairs()) ++rest;
-  if (first > bounds_.step) return true;
+  if (first > bounds_.step || (first > bounds_behind_.step && step_stays(lengths, spec))) return true;
   // The longest average has a plateau if it is longer than the others together. With copies, no tap there is below its
   // share of the largest.
-  const double largest = spec.pairs == 2 ? std::max(spec.outer, 1.0 - 2.0 * spec.outer) : 1.0 / copies;
-  if (lengths.front() > rest && largest / lengths.front() > bounds_.most) return true;
+  const double largest =
+      (spec.pairs == 2 ? std::max(spec.outer, 1.0 - 2.0 * spec.outer) : 1.0 / copies) / lengths.front();
+  if (lengths.front() > rest && largest > bounds_.most) return true;
+  if (lengths.front() > rest + static_cast<double>(smoothing_.size() - 1) && largest > bounds_behind_.most) return true;
   return rings(lengths, spec);
 }
 
-bool QuickRefusals::refuses_first_tap(const FilterSpec& spec) const {
+bool QuickRefusals::step_stays(std::span<const int> lengths, const FilterSpec& spec) const {
+  if (lengths.size() < 2) return smoothing_.size() == 1;
+  const int begins = lengths.size() == 3 ? lengths[2] : 0;
+  const double ends = std::min<double>(lengths[1], spec.pairs > 0 ? std::floor(spec.pair_delay) : unlimited);
+  return ends - begins >= static_cast<double>(smoothing_.size());
+}
+
+bool QuickRefusals::refuses_first_taps(const FilterSpec& spec) const {
   if (spec.kind != Shape::exponential || spec.pairs > 0 || !(spec.ratio > 0.0 && spec.ratio < 1.0)) return false;
   constexpr double looser = 1.0 - 1e-9;  // than rounding
   const double fall = std::log(spec.ratio), first = std::expm1(fall) / std::expm1(fall * (spec.order + 1));
-  return looser * first > std::min(bounds_.most, bounds_.step);
+  if (looser * first > std::min(bounds_.most, bounds_.step)) return true;
+  const int last = std::min(spec.order, static_cast<int>(smoothing_.size()) - 1);
+  double tap = 0.0;
+  for (int k = 0; k <= last; ++k) {
+    const double before = tap;
+    tap = spec.ratio * tap + first * smoothing_[static_cast<std::size_t>(k)];
+    if (looser * tap > bounds_behind_.most || looser * (tap - before) > bounds_behind_.step) return true;
+  }
+  return false;
+}
+
+bool QuickRefusals::refused_behind(std::span<const double> taps, double sum) {
+  constexpr double looser = 1.0 - 1e-9;  // than rounding
+  const double most = bounds_behind_.most * sum / looser, step = bounds_behind_.step * sum / looser;
+  if (smoothing_.size() == 1 || !(std::min(most, step) < unlimited)) return false;
+  behind_.assign(taps.size() + smoothing_.size(), 0.0);  // 0 behind the last one
+  for (std::size_t j = 0; j < smoothing_.size(); ++j) {
+    for (std::size_t i = 0; i < taps.size(); ++i) behind_[i + j] += smoothing_[j] * taps[i];
+  }
+  double before = 0.0;
+  for (const double tap : behind_) {
+    if (tap > most || std::abs(tap - before) > step) return true;
+    before = tap;
+  }
+  return false;
 }
 
 bool QuickRefusals::rings(std::span<const int> lengths, const FilterSpec& spec) {
@@ -110,6 +151,7 @@ bool QuickRefusals::stop_holds(const LegSpeeds& speeds, double tap, double left)
 bool QuickRefusals::starts(std::span<const double> taps, double sum) {
   if (*std::max_element(taps.begin(), taps.end()) > bounds_.most * sum || taps.front() > bounds_.step * sum)
     return false;
+  if (refused_behind(taps, sum)) return false;
   const int last = static_cast<int>(taps.size()) - 1;
   for (const LegSpeeds& speeds : speeds_) {
     const Axis& axis = *speeds.axis;
@@ -144,6 +186,7 @@ bool QuickRefusals::fails_likewise(const Cascade& cascade) const {
 
 bool QuickRefusals::refuses(const Filter& filter, const std::function<bool()>& late) {
   if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return true;
+  if (refused_behind(filter.taps(), 1.0)) return true;
   for (const LimitUse& use : vibration_utilisation(filter, on_taps_.sample_period, on_taps_.machine, late)) {
     if (use.utilisation <= slack) continue;
     // Tones are undamped. If the vibration dies away, other filters may leave less of it.

@@ -22,12 +22,14 @@ struct LegSpeeds {
 class QuickRefusals {
  public:
   /// @param on_taps  limits on the taps themselves, see limits_on_taps; the reference is kept
-  explicit QuickRefusals(const Task& on_taps);
+  /// @param smoothing  the control's own, behind every filter
+  /// @param behind  limits on the taps behind the smoothing
+  QuickRefusals(const Task& on_taps, std::vector<double> smoothing, const Task& behind);
 
   /// Whether a cascade's lengths alone tell: the plateau, the first step, the vibration at a few frequencies.
   bool refuses(std::span<const int> lengths, const FilterSpec& spec);
-  /// Whether an exponential's first tap, its largest, is too large. False for other shapes.
-  bool refuses_first_tap(const FilterSpec& spec) const;
+  /// Whether an exponential's first taps, its largest, are too large. False for other shapes.
+  bool refuses_first_taps(const FilterSpec& spec) const;
   /// Whether it breaks a limit where the last one did that broke one.
   bool fails_likewise(const Cascade& cascade) const;
   /// Whether a filter may start every leg and stop it: what most do not, and the cheapest to see on taps not yet
@@ -45,12 +47,20 @@ class QuickRefusals {
     const LegSpeeds* speeds = nullptr;
     int sample = 0;
   };
+  /// Whether the largest step between two taps lasts for as many of them as the smoothing has taps, before the second
+  /// impulse comes. Then the smoothing leaves it as it is.
+  bool step_stays(std::span<const int> lengths, const FilterSpec& spec) const;
   bool rings(std::span<const int> lengths, const FilterSpec& spec);
+  /// Whether a tap behind the smoothing, or a step between two, is too large.
+  bool refused_behind(std::span<const double> taps, double sum);
   bool start_holds(const LegSpeeds& speeds, double tap, double gone) const;
   bool stop_holds(const LegSpeeds& speeds, double tap, double left) const;
 
   const Task& on_taps_;
   TapBounds bounds_;
+  std::vector<double> smoothing_;  ///< {1} where there is none
+  TapBounds bounds_behind_;
+  std::vector<double> behind_;  ///< taps behind the smoothing of the last filter
   std::vector<LegSpeeds> speeds_;
   Place failed_start_, failed_stop_;  ///< where the last filter that could not start or stop broke a limit
   std::vector<Tone> tones_;
