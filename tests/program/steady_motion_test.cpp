@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -8,6 +9,7 @@
 
 #include <accdec/filter.hpp>
 #include <accdec/plan/report/samples.hpp>
+#include <accdec/plan/trajectory/plan_profiles.hpp>
 #include <accdec/plot/program_motion.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
@@ -119,6 +121,56 @@ TEST(SteadyMotion, IsCheckedAsItsSamplesAre) {
     for (std::size_t i = 0; i < check.limits.size(); ++i)
       EXPECT_NEAR(check.limits[i].utilisation, result.check.limits[i].utilisation, 1e-9) << i;
   }
+}
+
+/// Compares a motion made a piece at a time with the same motion made sample by sample.
+void expect_same(const Plan& plan, const Filter& last, std::int64_t most) {
+  const std::size_t n = plan.path.dimensions();
+  ProfileMotion pieces(plan.path, plan.trajectory()->chain, 1e-3, last),
+      samples(plan.path, plan.trajectory()->chain, 1e-3, last);
+  std::vector<double> values(n * static_cast<std::size_t>(most));
+  std::vector<std::int64_t> places(static_cast<std::size_t>(most));
+  std::array<double*, program_axis_count> rows{};
+  for (std::size_t a = 0; a < n; ++a) rows[a] = values.data() + a * static_cast<std::size_t>(most);
+  std::int64_t in_runs = 0;
+  while (pieces.next()) {
+    ASSERT_TRUE(samples.next());
+    const std::int64_t run = pieces.next_run(rows, places.data(), most);
+    for (std::int64_t k = 0; k < run; ++k) {
+      ASSERT_TRUE(samples.next());
+      for (std::size_t a = 0; a < n; ++a) ASSERT_EQ(rows[a][k], samples.position()[a]);
+      ASSERT_EQ(places[static_cast<std::size_t>(k)], samples.place_first());
+    }
+    ASSERT_EQ(pieces.place_last(), samples.place_last());
+    for (std::size_t a = 0; a < n; ++a) ASSERT_EQ(pieces.position()[a], samples.position()[a]);
+    ASSERT_EQ(pieces.pass_steady(), samples.pass_steady());
+    in_runs += run;
+  }
+  EXPECT_FALSE(samples.next());
+  EXPECT_GT(in_runs, 300);
+}
+
+TEST(SteadyMotion, OfAPieceAtATimeIsTheSameSampleBySample) {
+  for (const double jerk : {unlimited, 50.0}) {
+    const Task task = task_of(1.0, jerk);
+    const ProgramResult result = run_profiles({"a", test::path_of(moves, task.machine), task});
+    for (const Filter& last : {Filter({1.0}), boxcar(20), trapezoid(20, 7)}) expect_same(result.plan, last, 200);
+    expect_same(result.plan, boxcar(20), 7);
+  }
+}
+
+TEST(ProfileMotion, FarFromTheOriginIsRoundedOnce) {
+  // Behind 1024 m a position is rounded by up to 1.1e-13 m, an acceleration at 1 ms by 4.5e-7 m/s^2. That is allowed
+  // for, but plans leave only 1e-9 of the limit for more.
+  std::string text = "G64 P0.05 F6000\n";
+  for (int i = 1; i <= 2000; ++i)
+    text += fmt::format("G1 X{:.2f} Y{:.2f}\n", 3.13 * (i % 7) + 0.01 * i, (i % 2 == 0 ? 7.31 : 0.42) + 0.17 * (i % 5));
+  const Task task = task_of(1.0, unlimited);
+  Toolpath path = test::path_of(text + "M2\n", task.machine);
+  for (double& x : path.points) x += 1024.0;
+  const ProfilePlan plan = plan_profiles(path, program_machine(task.machine, path), task.sample_period);
+  EXPECT_TRUE(plan.holds());
+  EXPECT_EQ(plan.rounds, 0);
 }
 
 TEST(SteadyMotion, PicturesKeepTheEndsOfWhatIsPassedOver) {

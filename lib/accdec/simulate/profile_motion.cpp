@@ -12,6 +12,9 @@ namespace {
 /// rounding of a position.
 constexpr double almost = 1e-5;
 
+/// Samples made at once.
+constexpr std::int64_t run_max = 256;
+
 /// m, of the points of legs first .. last.
 double largest_coordinate(const Toolpath& path, std::size_t first, std::size_t last) {
   const std::size_t n = path.dimensions();
@@ -46,8 +49,11 @@ ProfileMotion::ProfileMotion(const Toolpath& path, const ProfileChain& chain, do
 /// The point where the motion rests before its first sample.
 ProfileMotion::Point ProfileMotion::start(std::size_t first_leg) {
   pieces_.begin_leg(first_leg);
-  if (first_leg > 0 && !pieces_.over()) return pieces_.now().x;
   Point at{};
+  if (first_leg > 0 && !pieces_.over()) {
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) at[a] = pieces_.now().at(a, 0.0);
+    return at;
+  }
   std::copy_n(path_.point(first_leg), path_.dimensions(), at.begin());
   return at;
 }
@@ -75,9 +81,10 @@ void ProfileMotion::note_phases(std::vector<double>& phases) {
   phases[leg_] = time_;
 }
 
-/// Whether the piece driven is the last one before a stop.
-bool ProfileMotion::ends_at_stop() const {
-  return pieces_.last() && !in_corner_ && chain_.stops(leg_ + 1);
+/// No sample of the piece is later, s.
+double ProfileMotion::piece_end() const {
+  const bool stop = pieces_.last() && !in_corner_ && chain_.stops(leg_ + 1);
+  return pieces_.now().duration - (stop ? almost * period_ : 0.0);
 }
 
 /// The next sample of the motion before the last filter, into raw_.
@@ -89,7 +96,7 @@ bool ProfileMotion::raw() {
   }
   stood_ = 0;
   if (done_) return false;
-  while (pieces_.over() || time_ > pieces_.now().duration - (ends_at_stop() ? almost * period_ : 0.0)) {
+  while (pieces_.over() || time_ > piece_end()) {
     if (!pieces_.over()) {
       time_ -= pieces_.now().duration;
       pieces_.go_on();
@@ -117,15 +124,14 @@ bool ProfileMotion::raw() {
     return true;
   }
   const MotionPiece& piece = pieces_.now();
-  for (std::size_t a = 0, n = path_.dimensions(); a < n; ++a)
-    raw_[a] = piece.x[a] + (piece.v[a] + 0.5 * piece.a[a] * time_) * time_;
+  for (std::size_t a = 0, n = path_.dimensions(); a < n; ++a) raw_[a] = piece.at(a, time_);
   time_ += period_;
-  ran_ = piece.a == decltype(piece.a){} ? ran_ + 1 : 0;
+  ran_ = piece.steady ? ran_ + 1 : 0;
   return true;
 }
 
 std::int64_t ProfileMotion::pass_steady() {
-  const std::int64_t seen = smoother_.taps() + 4;
+  const std::int64_t seen = this->seen();
   if (rest_ > 0) return stood_ < seen ? 0 : std::exchange(rest_, 1) - 1;
   if (ran_ < seen || pieces_.over()) return 0;
   // The last ones fill the filter again, so that what follows is made of the same samples.
@@ -140,6 +146,27 @@ bool ProfileMotion::next() {
   if (!raw()) return false;
   smoother_.next(raw_, place_, out_);
   return true;
+}
+
+std::int64_t ProfileMotion::next_run(const std::array<double*, program_axis_count>& rows, std::int64_t* places_first,
+                                     std::int64_t most) {
+  if (rest_ > 0 || done_ || pieces_.over()) return 0;
+  const MotionPiece& piece = pieces_.now();
+  if (piece.steady && ran_ < seen()) most = std::min(most, seen() - ran_);
+  std::array<double, run_max> times;
+  const double end = piece_end();
+  std::int64_t count = 0;
+  for (most = std::min(most, run_max); count < most && time_ <= end; time_ += period_)
+    times[static_cast<std::size_t>(count++)] = time_;
+  if (count == 0) return 0;
+  stood_ = 0;
+  for (std::size_t a = 0, n = path_.dimensions(); a < n; ++a) {
+    for (std::int64_t k = 0; k < count; ++k) rows[a][k] = piece.at(a, times[static_cast<std::size_t>(k)]);
+  }
+  smoother_.next_run(rows, count, place_, places_first);
+  for (std::size_t a = 0, n = path_.dimensions(); a < n; ++a) out_[a] = rows[a][count - 1];
+  ran_ = piece.steady ? ran_ + count : 0;
+  return count;
 }
 
 double chain_time(const ProfileChain& chain) {

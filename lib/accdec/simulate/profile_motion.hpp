@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,12 @@ class ProfileMotion {
   /// Advances by one sample; false if the motion is at rest at its end. The first call gives the first sample after the
   /// start.
   bool next();
+  /// After next(): the samples that next() would give behind it, up to `most`, as far as they lie on the same piece and
+  /// pass_steady() would pass over none.
+  /// @param rows  of every axis, to be written, m  @param places_first  of every sample, to be written
+  /// @returns their number
+  std::int64_t next_run(const std::array<double*, program_axis_count>& rows, std::int64_t* places_first,
+                        std::int64_t most);
   /// From now on records, for the present leg and every later one, the time from the beginning of the leg to its first
   /// sample. In s, one value per leg, kept by reference.
   void note_phases(std::vector<double>& phases);
@@ -50,7 +57,8 @@ class ProfileMotion {
   Point start(std::size_t first_leg);
   void arrive(std::size_t c);
   void begin_leg(std::size_t b);
-  bool ends_at_stop() const;
+  double piece_end() const;
+  std::int64_t seen() const { return smoother_.taps() + 4; }  // samples that the filter and three differences see
   bool raw();
 
   const Toolpath& path_;

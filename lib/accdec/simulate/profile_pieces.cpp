@@ -14,8 +14,10 @@ void ProfilePieces::leg_piece(std::size_t b, double& way, double speed, double a
   if (!(duration > 0.0)) return;
   MotionPiece& piece = pieces_.emplace_back();
   piece.duration = duration;
+  piece.from = path_.point(b);
+  piece.steady = acceleration == 0.0;
   for (std::size_t a = 0; a < n_; ++a) {
-    piece.x[a] = path_.point(b)[a] + u[a] * way;
+    piece.x[a] = u[a] * way;
     piece.v[a] = u[a] * speed;
     piece.a[a] = u[a] * acceleration;
   }
@@ -61,8 +63,9 @@ void ProfilePieces::begin_corner(std::size_t c) {
   direction(c, out.data());
   MotionPiece& piece = pieces_.emplace_back();
   piece.duration = tau;
+  piece.from = path_.point(c);
   for (std::size_t a = 0; a < n_; ++a) {
-    piece.x[a] = path_.point(c)[a] - in[a] * 0.5 * v * tau;
+    piece.x[a] = -in[a] * 0.5 * v * tau;
     piece.v[a] = in[a] * v;
     piece.a[a] = (out[a] - in[a]) / chain_.stretch[c];
   }

@@ -7,10 +7,17 @@
 
 namespace accdec {
 
-/// A part of a motion at constant acceleration, in s and m.
+/// A part of a motion at constant acceleration, in s and m. Far from the origin, rounding is larger than the
+/// acceleration leaves room for. So positions are counted from a point of the path, and only their sum is rounded.
 struct MotionPiece {
   double duration = 0.0;
+  const double* from = nullptr;
+  bool steady = false;  ///< without acceleration
   std::array<double, program_axis_count> x{}, v{}, a{};
+  /// The position of an axis, `time` after the beginning.
+  double at(std::size_t axis, double time) const {
+    return from[axis] + (x[axis] + (v[axis] + 0.5 * a[axis] * time) * time);
+  }
 };
 
 /// The leg or corner of a chain that is being driven, as pieces of constant acceleration, and the piece reached.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -37,6 +38,18 @@ class SampleBatch {
     for (std::size_t a = 0; a < rows_.size(); ++a) positions_[a * row + at(count_)] = position[a];
     firsts_[at(count_) + 2] = place_first;
     lasts_[at(count_)] = place_last;
+  }
+  /// Further samples on the same place, written behind the last one and then added.
+  std::int64_t room() const { return most - count_; }
+  std::array<double*, program_axis_count> rows_behind() {
+    std::array<double*, program_axis_count> rows{};
+    for (std::size_t a = 0; a < rows_.size(); ++a) rows[a] = positions_.data() + a * row + at(count_) + 1;
+    return rows;
+  }
+  std::int64_t* firsts_behind() { return firsts_.data() + count_ + 3; }
+  void add_run(std::int64_t count, std::int64_t place_last) {
+    std::fill_n(lasts_.begin() + count_ + 1, count, place_last);
+    count_ += count;
   }
   /// Makes velocities and accelerations. @param rate  of samples, 1/s
   void difference(double rate) {

@@ -166,6 +166,16 @@ void SampleChecker::pass(std::int64_t count, const double* position) {
   batch_.end_steady();
 }
 
+std::int64_t SampleChecker::look_on(ProfileMotion& motion) {
+  if (!motion.next()) return 0;
+  look(motion.position(), motion.place_first(), motion.place_last());
+  const std::int64_t run = motion.next_run(batch_.rows_behind(), batch_.firsts_behind(), batch_.room());
+  batch_.add_run(run, motion.place_last());
+  sample_ += run;
+  pass(motion.pass_steady(), motion.position());
+  return 1 + run;
+}
+
 /// Rests for as long as a difference of third order reaches back.
 void SampleChecker::settle() {
   std::vector<double> end;

@@ -9,6 +9,7 @@
 #include <accdec/machine.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
+#include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_batch.hpp>
 
 namespace accdec {
@@ -40,6 +41,9 @@ class SampleChecker {
   void look(const double* position, std::int64_t place_first, std::int64_t place_last);
   /// So many more samples, at which it rests or goes straight on as before. @param position  of the last of them, m
   void pass(std::int64_t count, const double* position);
+  /// The next samples of a motion at once: up to the end of a piece, and those passed over behind it.
+  /// @returns how many were looked at; 0: it is at rest at its end
+  std::int64_t look_on(ProfileMotion& motion);
   SampleCheck finish();
   /// For a part: computes the errors of its joints. @param at_rest  it ends where the program does
   void finish_part(bool at_rest);

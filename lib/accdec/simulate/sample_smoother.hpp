@@ -21,11 +21,19 @@ class SampleSmoother {
   int taps() const { return taps_; }
   /// Takes a sample in and gives the filtered one.
   void next(const Point& raw, std::int64_t place, Point& out);
+  /// As many samples at one place. @param rows  of every axis, replaced  @param oldest  places, see below; written
+  void next_run(const std::array<double*, program_axis_count>& rows, std::int64_t count, std::int64_t place,
+                std::int64_t* oldest);
   /// The place of the oldest sample inside; `newest` is the present one.
   std::int64_t oldest_place(std::int64_t newest) const { return taps_ == 1 ? newest : places_[slot_]; }
 
  private:
   std::int64_t units(double x) const;
+  void advance(std::int64_t place);
+  template <std::size_t axes>
+  void take_run(const std::array<double*, program_axis_count>& rows, std::int64_t count, std::int64_t place,
+                std::int64_t* oldest);
+  double smoothed(std::size_t axis, double raw, std::int64_t& oldest);
   template <std::size_t axes>
   void take(const Point& raw, std::int64_t* row, Point& out);
   void convolve(const Point& raw, std::size_t newest, Point& out) const;

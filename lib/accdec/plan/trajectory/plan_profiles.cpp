@@ -45,9 +45,12 @@ ProfilePlan plan_with(const Toolpath& path, const Machine& machine, double sampl
                           });
     ProfileMotion motion(path, maker.chain(), sample_period, last);
     motion.note_phases(phases);
-    for (std::int64_t k = 1; motion.next(); checker.pass(motion.pass_steady(), motion.position()), ++k) {
-      checker.look(motion.position(), motion.place_first(), motion.place_last());
-      if (k % samples_between_looks == 0 && deadline.over()) return {};
+    std::int64_t looked = 0;
+    while (const std::int64_t count = checker.look_on(motion)) {
+      looked += count;
+      if (looked < samples_between_looks) continue;
+      looked = 0;
+      if (deadline.over()) return {};
     }
     plan.check = checker.finish();
     plan.checked = true;

@@ -159,8 +159,7 @@ class PartRepair {
     ProfileMotion motion(path_, chain, available_.period(), available_.last().filter(), sampled.first, sampled.last,
                          phases_[sampled.first]);
     motion.note_phases(phases_);
-    for (; motion.next(); checker.pass(motion.pass_steady(), motion.position())) {
-      checker.look(motion.position(), motion.place_first(), motion.place_last());
+    while (checker.look_on(motion) > 0) {
     }
     checker.finish_part(sampled.last + 1 == path_.blocks());
     repair.errors(chain, errors_, judged);
