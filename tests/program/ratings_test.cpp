@@ -83,8 +83,8 @@ ProgramResult profiles(const Task& task, double feed) {
 }
 
 /// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes. Under a
-/// jerk limit, the last filter changes by whole samples with the acceleration: the search goes by steps of 5 %, and
-/// ends that far from the best of the sweep at most.
+/// jerk limit, the last filter changes by whole samples with the acceleration. The search goes by steps of 5 %, and
+/// ends no farther than that from the best of the sweep.
 TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
   for (const double jerk : {unlimited, 50.0}) {
     Task free = rubbing_task();
