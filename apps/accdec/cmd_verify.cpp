@@ -102,8 +102,8 @@ void add_verify(CLI::App& app, Context& context) {
       if (!check.proof.empty()) fmt::print("proof accepted: {}\n", check.proof);
       if (result.savings && !knows_delays_of_today(result.task))
         fmt::print("savings.today_s was found again by the search of designs itself, not by a second method\n");
-      fmt::print("not checked, because it cannot be recomputed: message, stop, solver{}{}\n",
-                 result.savings && result.savings->by_family ? ", the parts of savings" : "",
+      fmt::print("not checked, because it cannot be recomputed: message, stop, solver, samples of limits{}{}\n",
+                 result.savings ? ", the parts of savings" : "",
                  result.free_taps ? ", free_taps_s between its bound and the time of the settings" : "");
       return;
     }

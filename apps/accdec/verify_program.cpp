@@ -120,8 +120,11 @@ void print_accepted(const ProgramRecord& record, const RecordCheck& check, bool 
   }
   if (!std::filesystem::is_regular_file(record.inputs.task_path))
     fmt::print("{} is not there: the task is the one in the result\n", printable(record.inputs.task_path));
-  fmt::print("not checked, because they say how the plan was found or what others take: {}, inputs.compensate_arcs\n",
-             fmt::join(check.skipped, ", "));
+  const bool searched =
+      std::find(check.skipped.begin(), check.skipped.end(), "settings.complete") != check.skipped.end();
+  fmt::print("not checked, because they say how the plan was found or what others take: {}{}, inputs.compensate_arcs\n",
+             fmt::join(check.skipped, ", "),
+             searched ? ", the words of settings.answer on how far the settings were searched" : "");
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ def draws_loads(accdec, browser, home, task):
     axes = browser.value("accdecProgram.program.axes")
     wanted = [f"{what} of {axis} / {unit}" for axis in axes for what, unit in (("force", "N"), ("power", "W"))]
     for title in [*wanted, "power of all axes / W"]:
-        check(any(t.split(";")[0] == title for t in titles), f"a drawing: {title}")
+        check(any(re.split("[,;]", t)[0] == title for t in titles), f"a drawing: {title}")
     shown = browser.value("""accdecProgram.charts.map((c) => [c.root.closest("section").querySelector("h2").textContent,
         c.scales.y.min, c.scales.y.max]).filter(([title]) => /^(force|power|velocity)/.test(title))""")
     bounds = {"force": 110, "velocity": 500, "power of all": 500, "power": 900}

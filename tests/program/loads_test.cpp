@@ -283,14 +283,14 @@ TEST_F(LoadsCommand, OtherPlansRefuseThemByName) {
   }
 }
 
-/// Profiles are held against a rating, too; where they are too warm, the plan with one filter is the answer.
+/// Profiles are held against a rating, too: too warm ones are slowed until they hold it.
 TEST_F(LoadsCommand, ProfilesAreHeldAgainstRatings) {
   task("force_max_N = 200\n");
   ASSERT_EQ(run("program part.ngc --task load.toml --plan profiles --json hot.json").code, 0) << read("err");
   const double rms = number_of("hot.json", "force_rms_N");
   task("force_max_N = 200\nforce_rms_N = " + std::to_string(0.7 * rms) + "\n");
   ASSERT_EQ(run("program part.ngc --task load.toml --plan profiles --json cool.json").code, 0) << read("err");
-  EXPECT_THAT(read("out"), HasSubstr("it breaks root mean square of the force"));
+  EXPECT_LE(number_of("cool.json", "force_rms_N"), 0.7 * rms + 1e-6);  // the key has six decimals
   const auto seconds = [&](const char* file) {
     return nlohmann::ordered_json::parse(read(file))["cycle_time_s"].get<double>();
   };

@@ -37,6 +37,16 @@ TEST_F(ProgramCommand, AControlThatTakesTapsIsToldToSetThem) {
   EXPECT_THAT(forged.err, HasSubstr("settings.answer: is not what the other members say"));
 }
 
+/// The control waits between two blocks of one line, too, where no motion of any kind has a corner.
+TEST_F(ProgramCommand, EndsOfBlocksWithoutATurnAreNoCornersOfAnyMotion) {
+  write("part.ngc", "G21 G90 G64 P0.1\nG1 X10 F3000\nX25\nY20\nM2\n");
+  write("control.toml", std::string(test::corner_machine) +
+                            "[controller]\ndelays = \"in-position\"\n[filter]\nkind = \"boxcar\"\norder = 24\n");
+  ASSERT_EQ(run("program part.ngc --task control.toml --json r.json").code, 0) << read("err");
+  EXPECT_EQ(nlohmann::json::parse(read("r.json"))["corner_bound"]["corners"], 1);
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out");
+}
+
 /// A filter that the task gives is set by the times that it was given by, whatever its family.
 TEST_F(ProgramCommand, AGivenFilterIsSetByItsTimes) {
   write("part.ngc", test::corner_program);

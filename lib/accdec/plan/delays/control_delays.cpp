@@ -2,6 +2,7 @@
 #include <cmath>
 #include <deque>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include <accdec/plan/delays/control_delays.hpp>
@@ -85,25 +86,36 @@ class DelaySink {
   }
 
   void in_position(std::size_t b) {
-    double high = unlimited, way = way_left(b, 0);
+    take_gone(b);
+    double high = unlimited, way = way_left(0);
     int d = 0;
-    for (; way > path_.control.width; way = way_left(b, ++d)) high = std::min(high, way);
+    for (; way > path_.control.width; way = way_left(++d)) high = std::min(high, way);
     found_.delays[b] = d;
     low_ = std::max(low_, way), high_ = std::min(high_, high);
     any_ = true;
   }
 
-  /// m, from the filtered command to the joint after a rest of d samples.
-  double way_left(std::size_t b, int d) const {
+  /// From the command to the joint, of each axis and 1 to N samples before it.
+  void take_gone(std::size_t b) {
     const double* joint = path_.point(b + 1);
-    double square = 0.0, longest = 0.0;  // along the path, and of one axis
-    for (std::size_t a = 0; a < path_.dimensions(); ++a) {
-      double way = 0.0;
-      for (int i = d + 1; i <= filter_.order(); ++i) {
-        const auto back = static_cast<std::size_t>(i - d);
-        const AxisRow<0>& at = back < before_.size() ? before_[back] : start_;
-        way += filter_.tap(i) * (joint[a] - at[a]);
+    gone_.resize(filter_.order(), static_cast<Eigen::Index>(path_.dimensions()));
+    for (Eigen::Index back = 0; back < gone_.rows(); ++back) {
+      const auto sample = static_cast<std::size_t>(back) + 1;
+      const AxisRow<0>& at = sample < before_.size() ? before_[sample] : start_;
+      for (Eigen::Index a = 0; a < gone_.cols(); ++a) {
+        const auto axis = static_cast<std::size_t>(a);
+        gone_(back, a) = joint[axis] - at[axis];
       }
+    }
+  }
+
+  /// m, from the filtered command to the joint after a rest of d samples.
+  double way_left(int d) const {
+    const Eigen::Index left = std::max(0, filter_.order() - d);
+    const Eigen::Map<const Eigen::VectorXd> taps(filter_.taps().data(), filter_.order() + 1);
+    double square = 0.0, longest = 0.0;  // along the path, and of one axis
+    for (Eigen::Index a = 0; a < gone_.cols(); ++a) {
+      const double way = taps.tail(left).dot(gone_.col(a).head(left));
       square += way * way;
       longest = std::max(longest, std::abs(way));
     }
@@ -116,6 +128,7 @@ class DelaySink {
   CommandDelays found_;
   AxisRow<0> start_{};             // where the command begins
   std::deque<AxisRow<0>> before_;  // the command, the newest sample first
+  Eigen::MatrixXd gone_;
   double low_ = 0.0, high_ = unlimited;
   bool any_ = false;
 };

@@ -114,9 +114,15 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   }
   found.lower_bound = program_lower_bound(programmed, machine, found.sample_period);
   if (record.filter_bound) found.filter_bound = filter_lower_bound(programmed, machine, found.sample_period);
-  // How many corners count is known before any linear program. Arcs may have been read again, finer.
-  if (programmed.arcs.empty() && programmed.blocks() <= several_plans_max)
-    found.corner_bound = program_corner_bound(programmed, machine, found.sample_period, Deadline(0.0));
+}
+
+/// How many corners count for a bound of any motion, which is known before any linear program. None for arcs, which may
+/// have been read again, finer.
+/// @param programmed  as read: any motion waits at no end of a block
+std::optional<CornerBound> counted_corners(const ProgramRecord& record, const Toolpath& programmed) {
+  if (!programmed.arcs.empty() || programmed.blocks() > several_plans_max) return std::nullopt;
+  return program_corner_bound(programmed, program_machine(record.task.machine, programmed), record.result.sample_period,
+                              Deadline(0.0));
 }
 
 /// If the feeds are the programmed ones, the times that other rules for delays take follow from the commands.
@@ -192,10 +198,16 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
                        const Deadline& until) {
   const TodayCheck today(record, programmed, until);
   ProgramResult result = record.result;
+  std::vector<std::string> reasons;
+  const double proved = programmed ? check_motion_proof(record, *programmed, reasons) : 0.0;
+  std::optional<CornerBound> corners;
+  if (programmed) corners = counted_corners(record, *programmed);
   if (programmed && result.settings && record.task.settings) mark_waits(*programmed, result.plan.path.control);
   if (programmed) take_arcs(result.plan.path, *programmed);
   ProgramResultCheck check = verify_program_result(result, record.task, record.filters);
   check.found.task_machine = record.task.machine;
+  check.found.corner_bound = std::move(corners);
+  check.reasons.insert(check.reasons.end(), reasons.begin(), reasons.end());
   compare_names(record, check.reasons);
   if (record.result.plan.path.tolerance.back() < unlimited || record.result.errors.back() != 0.0)
     check.reasons.emplace_back("no move follows the last block: its tolerance must be null, and its error 0");
@@ -205,7 +217,6 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   if (record.filters)
     skip.insert(skip.end(),
                 {"leg_filters", "cycle_time_one_filter_s", "corners.exact_stops", "corners.raised_by_overlap"});
-  const double proved = programmed ? check_motion_proof(record, *programmed, check.reasons) : 0.0;
   if (programmed) compare_with_program(record, std::move(*programmed), check);
   if (record.schema == ProgramSchema::program_2) find_other_rules(record, check.found);
   check.found.worst_shown = record.result.worst_shown;
