@@ -30,6 +30,11 @@ double work_of_schedule(const ScheduledPlan& plan) {
 double work_of_kept(const Toolpath& path, const LimitedPlan& plan) {
   return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 2.5e-6 * plan.repairs;
 }
+/// Of the waits of one plan for a width, which takes the way left after each possible wait at each joint.
+double work_of_waits(const Toolpath& path, const Filter& filter) {
+  const double n = filter.order();
+  return path.control.width > 0.0 ? static_cast<double>(path.blocks()) * n * (1e-9 * n + 3e-8) : 0.0;
+}
 constexpr double repairs_a_block = 50.0;  // more than plans that hold need
 double work_of_pairs(const Toolpath& path) {
   return 2e-5 + 6e-7 * static_cast<double>(path.blocks());
@@ -264,6 +269,8 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   double best = unlimited;
   const auto take = [&](const Toolpath& planned, ProgramPlan plan) {
     settle_delays(planned, filter, task_.sample_period, machine_, plan);
+    constexpr double settled = 2.0;  // here and in the plan
+    effort_.spend(settled * work_of_waits(planned, filter));
     if (all_holds(plan) && corner_feeds_had(planned, path_, plan.delays, feed_step_))
       best = std::min(best, static_cast<double>(plan.simulation.samples));
   };
