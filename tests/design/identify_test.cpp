@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <accdec/design/identify.hpp>
@@ -241,6 +242,17 @@ TEST(Identify, RefusesLogsThatAreNoWholeMove) {
   MotionLog log = simulated(taps_of({22}), straight_legs, 0.0, 5);
   for (std::vector<double>& at : log.position) at.resize(150);
   EXPECT_THROW(identify(log, task_of()), std::invalid_argument);  // ends in motion
+  // Amid a ramp at more than a tenth of the feed: two averages of 22 have passed 91/484 of the step after 13 samples.
+  for (const bool begins : {true, false}) {
+    log = simulated(taps_of({22, 22}), straight_legs, 1e-7, 5);
+    for (std::vector<double>& at : log.position) {
+      at.resize(begins ? at.size() : 40 + 200 + 43 - 13);
+      if (begins) at.erase(at.begin(), at.begin() + 40 + 13);
+    }
+    const auto identified = [&] { identify(log, task_of()); };
+    EXPECT_THAT(identified, ::testing::ThrowsMessage<std::invalid_argument>(
+                                ::testing::HasSubstr(begins ? "it begins in motion" : "it ends in motion")));
+  }
   EXPECT_THROW(identify(simulated(taps_of({22}), {{0.0, 0.0, 100, 0}}, 0.0, 6), task_of()), std::invalid_argument);
   // Shorter than the filter: no constant speed.
   EXPECT_THROW(identify(simulated(taps_of({40, 40}), {{0.004, 0.0, 30, 0}}, 0.0, 7), task_of()), std::invalid_argument);

@@ -59,5 +59,21 @@ TEST(SettingsRefused, SayHowLongAnExactStopLasts) {
   EXPECT_THAT(result.message, HasSubstr("an exact stop lasts until the filter is empty, or a sample longer where"));
 }
 
+/// At 50 mm/s and a right angle, averages of L >= 11 ms hold 4.6 m/s^2. They err by 35.4 um (L^2 - 1)/(4 L), 96.4 um or
+/// more. 2 um are 0.0207 of that: no multiple of 0.05, but 0.02 is one of 0.005. Longer averages err by more and lose
+/// more samples.
+TEST(SettingsRefused, NameNoDelayAsTheCureOfAControlThatHasCornerFeedsAlone) {
+  const DesignResult result =
+      design_task(parse_task("sample_period_ms = 1\n[design]\nfamily = \"averages\"\nstages = 1\norder_max = "
+                             "30\n[controller]\ndelays = \"corner-feed\"\n[[axis]]\nacceleration_max_mm_s2 = "
+                             "4600\n[[corner]]\nangle_deg = 90\nfeed_in_mm_min = 3000\nerror_max_um = 2\n",
+                             "task"));
+  EXPECT_FALSE(result.has_design());
+  EXPECT_THAT(result.message, HasSubstr("no corner feed of the step 0.05 holds it, whatever the lengths; a finer "
+                                        "`corner_feed_step`, 0.005, has some that do, with any step and length: one "
+                                        "average of 11 ms"));
+  EXPECT_THAT(result.message, ::testing::Not(HasSubstr("and a delay")));
+}
+
 }  // namespace
 }  // namespace accdec

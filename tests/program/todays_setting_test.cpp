@@ -146,6 +146,36 @@ TEST_F(ProgramCommand, ATodayThatTheControlCannotHaveIsSaidAndItsTimeIsPlannedAg
   EXPECT_THAT(read("out"), testing::Not(HasSubstr("none of this control")));
 }
 
+/// 100 mm/s with averages of 3 and 3 ms begin at 0.1/(3 3 1e-6) m/s^3 of jerk, 22 times the bound. Kept feeds are what
+/// every setting is held to: a plan that lowers them shows nothing that a new setting saves.
+TEST_F(ProgramCommand, ATodayThatBreaksALimitAtTheProgrammedFeedsIsNamedAndNothingIsSaved) {
+  write("part.ngc", "G21 G90 G64 P0.05 F6000\nG1 X20\nG1 Y20\nG1 X0\nM2\n");
+  write("t.toml",
+        "sample_period_ms = 1\n[controller]\ndelays = [\"corner-feed\", \"exact-stop\"]\n[design]\n"
+        "family = \"averages\"\norder_max = 40\n[filter]\nkind = \"averages\"\nlengths = [3, 3]\n[[axis]]\n"
+        "acceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n");
+  ASSERT_EQ(run("program part.ngc --task t.toml --feeds keep --json r.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr(" Today's setting breaks jerk x in line 2 at the programmed feeds."));
+  EXPECT_THAT(read("out"), testing::Not(HasSubstr("retuning saves")));
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
+  EXPECT_TRUE(record["settings"]["today_s"].is_null());
+  Output verified = run("verify r.json");
+  EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+  EXPECT_THAT(verified.out, HasSubstr("; planned again with today's setting, which breaks jerk x in line 2"));
+  // Another limit, or a time at lowered feeds, is refused.
+  std::string forged = record.dump();
+  for (std::size_t at = 0; (at = forged.find("jerk x in line 2")) != std::string::npos;) forged[at] = 'J';
+  write("forged.json", forged);
+  verified = run("verify forged.json");
+  EXPECT_EQ(verified.code, 1);
+  EXPECT_THAT(verified.out, HasSubstr("today_breaks is recorded as"));
+  // Feeds that may be chosen are lowered for every setting alike.
+  ASSERT_EQ(run("program part.ngc --task t.toml --json r.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr("retuning saves"));
+  record = nlohmann::ordered_json::parse(read("r.json"));
+  EXPECT_GT(record["settings"]["today_s"], record["cycle_time_s"]);
+}
+
 /// The work of a search is counted: a clock that does not end it changes nothing.
 TEST_F(ProgramCommand, ASearchForSettingsEndsAtTheSamePlace) {
   const std::string program = test_support::source_folder() + "/problems/program/engraving.ngc";

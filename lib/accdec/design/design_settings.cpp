@@ -116,6 +116,31 @@ std::string and_delays(const std::vector<int>& delays, double period) {
   return fmt::format(", and delays of {:.6g} to {:.6g} ms", 1e3 * least * period, 1e3 * most * period);
 }
 
+bool corner_feed_alone(const Task& task) {
+  const std::vector<DelayKind>& kinds = task.settings->delays;
+  return kinds.size() == 1 && kinds.front() == DelayKind::corner_feed;
+}
+
+/// Such a control has no delay that could be a cure: other lengths may be one, or smaller steps of the feed.
+/// @param lifted  with any step and length  @param seconds  for each of both
+void add_corner_feeds(Task lifted, double seconds, const std::atomic<bool>* cancel, std::vector<std::string>& reasons) {
+  constexpr double finer = 0.1;  // of the step
+  double& step = lifted.settings->corner_feed_step;
+  SettableDesign near = best_settings(lifted, seconds, cancel);
+  if (near.chosen) {
+    reasons.push_back(
+        fmt::format("the nearest that do, with any step and length: {}", settings_in_words(*near.chosen)));
+    return;
+  }
+  if (near.complete)
+    reasons.push_back(fmt::format("no corner feed of the step {:g} holds it, whatever the lengths", step));
+  step *= finer;
+  near = best_settings(lifted, seconds, cancel);
+  if (near.chosen)
+    reasons.push_back(fmt::format("a finer `corner_feed_step`, {:g}, has some that do, with any step and length: {}",
+                                  step, settings_in_words(*near.chosen)));
+}
+
 /// Adds the proof that no member of the families is shorter.
 void prove(const SettableDesign& best, const std::function<bool()>& late, DesignResult& result) {
   if (!best.complete) {
@@ -206,11 +231,15 @@ std::string why_no_setting_holds(const Task& task, double seconds, const std::at
   if (std::string stops = exact_stop_rule(&*task.settings); !stops.empty()) reasons.push_back(std::move(stops));
   if (std::string poles = poles_left_out(task); !poles.empty()) reasons.push_back(std::move(poles));
   Task lifted = task;
-  lifted.settings->delays.clear();
   for (SettableStage& stage : lifted.settings->stages) {
     stage.length_step = stage.length_max = 0.0;
     stage.length_set.clear();
   }
+  if (corner_feed_alone(task)) {
+    add_corner_feeds(std::move(lifted), 0.25 * seconds, cancel, reasons);
+    return fmt::format("{}", fmt::join(reasons, "; "));
+  }
+  lifted.settings->delays.clear();
   const SettableDesign near = best_settings(lifted, 0.5 * seconds, cancel);
   if (near.chosen)
     reasons.push_back(fmt::format("the nearest that do, with any step, length and delay: {}{}",

@@ -17,6 +17,7 @@ constexpr double least_way = 1e-3;                    // of the longest leg; an 
 constexpr double least_noise = 1e-4;                  // of a sample's step; less cannot be told from a log's last digit
 constexpr double rounded_root = 0.28867513459481287;  // 1 / sqrt(12): the standard deviation of rounding to a step
 constexpr double standing_part = 0.15;                // of a leg's samples; a control at constant speed stands in none
+constexpr double moving_part = 0.1;                   // of the fastest sample's step: slower ends may be a pole's
 constexpr double steady_part = 2e-3;  // of a sample's step, by which positions may be off a constant speed
 
 class Finder {
@@ -76,11 +77,28 @@ class Finder {
           "the log must begin and end at rest, {} samples each, at different places: it ends {:.4g} mm from where it "
           "begins, and moves by up to {:.4g} mm in its first and last {} samples",
           rest_least, 1e3 * way_, 1e3 * noise, rest_least));
+    require_rest("begins", 0);
+    require_rest("ends", samples - rest_least);
     resolution_ = resolution();
     threshold_ = threshold(noise);
     while (first_ + 1 < samples && (at_.col(first_ + 1) - start_).norm() <= threshold_) ++first_;
     last_ = samples - 1;
     while (last_ > 0 && (at_.col(last_ - 1) - end_).norm() <= threshold_) --last_;
+  }
+
+  /// A log that begins amid a ramp moves far less there than on its whole way, but as fast as elsewhere. Noise has no
+  /// direction.
+  void require_rest(const char* does, int from) const {
+    const Eigen::VectorXd way = at_.col(from + rest_least - 1) - at_.col(from);
+    for (int k = from + 1; k < from + rest_least; ++k) {
+      if (!(way.dot(at_.col(k) - at_.col(k - 1)) > 0.0)) return;
+    }
+    const double fastest = (at_.rightCols(at_.cols() - 1) - at_.leftCols(at_.cols() - 1)).colwise().norm().maxCoeff();
+    const double part = way.norm() / (rest_least - 1) / fastest;
+    if (part > moving_part)
+      throw std::invalid_argument(fmt::format(
+          "the log must begin and end at rest, {} samples each: it {} in motion, at {:.2g} of its fastest speed",
+          rest_least, does, part));
   }
 
   /// m; what moves by less rests.

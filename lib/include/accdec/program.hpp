@@ -205,6 +205,7 @@ struct ProgramResult : ProgramSubject {
   std::optional<ProgramSettings> settings;  ///< of a control, where the task asks for them
   std::optional<double> today;              ///< s, of the program with today's setting of the control, if that was
                                             ///< planned, too; unlimited: no plan with it holds all limits
+  std::string today_breaks;                 ///< "jerk x in line 3": what that breaks at programmed feeds that are kept
   std::string taps_control;                ///< for a control of taps: the task's filter in words, or "taps"; else empty
   std::string compensation;                ///< why arcs that were to be widened are not; empty: nothing to say
   std::vector<AxisLoad> loads;             ///< of the axes that have a mass or damping; of programs of up to

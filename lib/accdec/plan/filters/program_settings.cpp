@@ -44,6 +44,8 @@ std::string beside_today(const ProgramResult& result) {
   const std::string not_had = result.settings ? result.settings->today_not_had : "";
   if (!result.today) return not_had;
   const double today = *result.today, saved = today - result.cycle_time;
+  if (!result.today_breaks.empty())
+    return fmt::format(" Today's setting breaks {} at the programmed feeds.", result.today_breaks) + not_had;
   if (!(today < unlimited)) return " No plan with today's setting holds all limits." + not_had;
   std::string text = fmt::format(" Today's setting takes {:.6g} s as planned here; ", today);
   if (saved > 1e-9 * today)

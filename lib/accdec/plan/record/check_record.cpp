@@ -161,14 +161,18 @@ class TodayCheck {
  private:
   void plan_again(const ProgramRecord& record, const Toolpath& programmed, const Deadline& until) {
     const Feeds asked = record.inputs.reading.clamp_feeds ? Feeds::choose : Feeds::keep;
-    const TodaysTime again = todays_time(programmed, record.task, feeds_of(record.task, asked), until, until);
+    const TodaysTime again = todays_time(programmed, record.task, asked, until, until);
     if (again.cut) {
       skipped_ = name_;
       return;
     }
     compare(again.time);
+    if (reason_.empty() && again.breaks != result_.today_breaks)
+      reason_ = fmt::format("today_breaks is recorded as \"{}\", planned again it is \"{}\"", result_.today_breaks,
+                            again.breaks);
     shown_ = again.time < unlimited ? fmt::format("; planned again with today's setting, {:.6g} s", again.time)
-                                    : "; planned again with today's setting, which breaks a limit";
+                                    : fmt::format("; planned again with today's setting, which breaks {}",
+                                                  again.breaks.empty() ? "a limit" : again.breaks);
   }
 
   void compare(double found) {
@@ -221,6 +225,7 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   if (record.schema == ProgramSchema::program_2) find_other_rules(record, check.found);
   check.found.worst_shown = record.result.worst_shown;
   check.found.today = record.result.today;
+  check.found.today_breaks = record.result.today_breaks;
   check.found.taps_control = record.result.taps_control;
   ProgramDifferences compared = program_differences(text, record, check.found, skip);
   today.tell(check.reasons, compared, check.shown);

@@ -314,6 +314,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
   const Json answer = recorded.contains("answer") ? recorded["answer"] : Json();  // older results have none
   recorded.erase("answer");
   recorded.erase("today_s");
+  recorded.erase("today_breaks");
   const Json again = as_written_then(Json::parse(program_to_json(found)), found, record);
   Comparison comparison(recorded, again, skip, found, record.schema);
   add_complete(recorded, record.result);

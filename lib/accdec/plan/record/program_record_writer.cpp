@@ -98,6 +98,8 @@ std::string program_to_json(const ProgramResult& result, const ProgramInputs& in
   // A line each, not a line a number.
   if (result.settings) text += ",\n  \"settings\": " + program_settings_to_json(result).dump();
   if (!result.settings && result.today) text += ",\n  \"today_s\": " + program_today_json(result).dump();
+  if (!result.settings && !result.today_breaks.empty())
+    text += ",\n  \"today_breaks\": " + Json(result.today_breaks).dump();
   if (!result.settings && !program_answer(result).empty())
     text += ",\n  \"answer\": " + Json(program_answer(result)).dump(-1, ' ', false, Json::error_handler_t::replace);
   if (result.corner_bound && !result.corner_bound->proofs.empty())

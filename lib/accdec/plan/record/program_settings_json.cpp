@@ -45,6 +45,7 @@ Json program_today_json(const ProgramResult& result) {
 
 void read_program_today(const Value& json, ProgramResult& result) {
   if (json.json().contains("today_s")) result.today = json["today_s"].optional_number().value_or(unlimited);
+  if (json.has("today_breaks")) result.today_breaks = json["today_breaks"].text();
 }
 
 Json program_settings_to_json(const ProgramResult& result) {
@@ -67,6 +68,7 @@ Json program_settings_to_json(const ProgramResult& result) {
   }
   if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
   if (result.today) json["today_s"] = program_today_json(result);
+  if (!result.today_breaks.empty()) json["today_breaks"] = result.today_breaks;
   if (!settings.chosen.delays.empty() && result.plan.path.blocks() <= recorded_blocks_max) {
     json["delays"] = Json::array();
     for (const DelayKind kind : settings.chosen.delays) json["delays"].push_back(to_string(kind));

@@ -177,10 +177,12 @@ void say_today(ProgramResult& result, Toolpath programmed, const Task& task, con
   if (todays_filter(task) == nullptr || (!short_one && options.deadline.over())) return;
   const Deadline width = settings_effort(programmed, options, 0.5).clock();
   const auto whole = [&](const Deadline& end) { return short_one ? with_one_plan(end) : end; };
-  const TodaysTime today = todays_time(std::move(programmed), task, feeds_of(task, options.fixed.feeds), whole(width),
-                                       whole(options.deadline));
+  TodaysTime today =
+      todays_time(std::move(programmed), task, options.fixed.feeds, whole(width), whole(options.deadline));
   // A plan that was cut short says little of the setting, unless it is the faster one.
-  if (!today.cut || today.time < result.cycle_time) result.today = today.time;
+  if (today.cut && !(today.time < result.cycle_time)) return;
+  result.today = today.time;
+  result.today_breaks = std::move(today.breaks);
 }
 
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.

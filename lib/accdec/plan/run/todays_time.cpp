@@ -1,4 +1,8 @@
+#include <algorithm>
+#include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/effort.hpp>
@@ -11,7 +15,8 @@ Feeds feeds_of(const Task& task, Feeds asked) {
   return task.settings && waits_at_ends(control_of(*task.settings, 0.0)) ? Feeds::keep : asked;
 }
 
-TodaysTime todays_time(Toolpath path, const Task& task, Feeds feeds, const Deadline& width, const Deadline& plan) {
+TodaysTime todays_time(Toolpath path, const Task& task, Feeds asked, const Deadline& width, const Deadline& plan) {
+  const Feeds feeds = feeds_of(task, asked);
   const Filter filter = make_filter(*todays_filter(task));
   mark_waits(path, control_of(*task.settings, 0.0));
   // A time limit changes no work, so that whoever has none finds the same.
@@ -19,7 +24,18 @@ TodaysTime todays_time(Toolpath path, const Task& task, Feeds feeds, const Deadl
   give_control(path,
                planned_control(*task.settings, width_for_program(path, task, filter, feeds == Feeds::keep, effort)));
   const ProgramResult planned = run_program({"", std::move(path), task, feeds, plan}, filter);
-  return {planned.verification.feasible ? planned.cycle_time : unlimited, plan.over() || effort.ended_by_clock()};
+  TodaysTime today{.cut = plan.over() || effort.ended_by_clock()};
+  if (!planned.verification.feasible) return today;
+  const auto slowest = std::ranges::min_element(planned.too_fast, {}, &SlowedFeeds::factor);
+  if (asked != Feeds::keep || slowest == planned.too_fast.end()) {
+    today.time = planned.cycle_time;
+    return today;
+  }
+  // Lower feeds keep all that a delay of the control breaks.
+  std::string limit = slowest->limit;
+  if (limit.starts_with("all limits")) limit.replace(0, 10, "a limit");
+  today.breaks = fmt::format("{} in line {}", limit, slowest->line);
+  return today;
 }
 
 }  // namespace accdec

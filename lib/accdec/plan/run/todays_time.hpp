@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <accdec/program.hpp>
 
 namespace accdec {
@@ -10,13 +12,15 @@ Feeds feeds_of(const Task& task, Feeds asked);
 /// A program with today's setting of its task's control.
 struct TodaysTime {
   double time = unlimited;  ///< s; unlimited: no plan with it holds
+  std::string breaks{};     ///< "jerk x in line 3": what it breaks at programmed feeds that are to be kept
   bool cut = false;         ///< a clock ended the planning
 };
 
-/// Plans the program as with any setting. The same on every machine unless a clock ends it.
+/// Plans the program as with any setting. Feeds that are to be kept are what a setting is held to: a plan that lowers
+/// them for a limit is none with it. The same on every machine unless a clock ends it.
 /// @param path   as it was read  @param task  with settings, and with a setting of today, see todays_filter
-/// @param feeds  see feeds_of
+/// @param asked  for the feeds
 /// @param width, plan  end the search for an in-position width, and the plan
-TodaysTime todays_time(Toolpath path, const Task& task, Feeds feeds, const Deadline& width, const Deadline& plan);
+TodaysTime todays_time(Toolpath path, const Task& task, Feeds asked, const Deadline& width, const Deadline& plan);
 
 }  // namespace accdec
