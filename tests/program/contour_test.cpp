@@ -158,5 +158,22 @@ TEST_F(ProgramCommand, AContourIsEnough) {
   EXPECT_THAT(read("err"), HasSubstr("the corner at the end of this move has no tolerance"));
 }
 
+/// No motion but one that stops at every point has a distance of 0. The verifier rounds otherwise than the planner.
+TEST_F(ProgramCommand, AContourOfZeroHoldsToRounding) {
+  std::string task = read("task.toml");
+  task.replace(task.find("error_max_um = 20"), 17, "contour_max_um = 0");
+  write("task.toml", task);
+  write("part.ngc", "F6000\nG1 X35.355339 Y35.355339\nX0 Y70.710678\nX35.355339 Y106.066017\nX0 Y141.421356\nM2\n");
+  const auto legs = run("program part.ngc --task task.toml --json r.json");
+  EXPECT_EQ(legs.code, 0) << legs.err;
+  EXPECT_THAT(legs.out, Not(HasSubstr("beside their arcs")));
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out") << read("err");
+  write("part.ngc", "F6000\nG1 X20\nG3 X30 Y10 J10\nG1 Y30\nM2\n");
+  const auto arc = run("program part.ngc --task task.toml --json r.json");
+  EXPECT_EQ(arc.code, 0) << arc.err;
+  EXPECT_THAT(arc.out, HasSubstr("contour: that of the chords; they are up to "));
+  EXPECT_EQ(run("verify r.json").code, 0) << read("out") << read("err");
+}
+
 }  // namespace
 }  // namespace accdec

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <accdec/design/differing_servos.hpp>
+#include <accdec/design/standard_shapes.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
@@ -71,6 +72,9 @@ DesignResult search(const Task& task, const DesignOptions& options) {
   BestOf designs(task);
   // A gap this wide asks only whether there is a design.
   const auto enough = [&] { return stopped() || (options.exact.gap > 0.9 && designs.best().has_design()); };
+  // Standard shapes of doubled orders first: an order is judged at once, so that there soon is a design to improve.
+  if (const auto shape = best_standard_shape(task, 0.3 * left(), options.cancel))
+    designs.offer(*shape, left(), options.cancel);
   const std::size_t axes = task.machine.axes.size();
   for (std::size_t a = 0; a < axes && !enough(); ++a) {
     DesignOptions part = options;

@@ -13,6 +13,7 @@
 #include <accdec/files/units.hpp>
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
+#include <accdec/plan/feeds/radius_error.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
 #include <accdec/plan/report/left_at_rest.hpp>
@@ -255,6 +256,15 @@ class SummaryText {
     return load.rms >= near * load.rms_max && load.rms <= load.rms_max * (1.0 + verification_tolerance);
   }
 
+  /// No length of the chords follows from a contour of 0.
+  void beside_arcs() {
+    const Toolpath& path = result_.plan.path;
+    if (path.contour_max > 0.0 || path.arcs.empty()) return;
+    double most = 0.0;
+    for (const PathArc& arc : path.arcs) most = std::max(most, sagitta_of(arc));
+    put("  contour: that of the chords; they are up to {:.3f} um beside their arcs\n", most * 1e6);
+  }
+
   void limits() {
     const std::vector<LimitUse>& uses = result_.check.limits;
     if (!uses.empty()) {
@@ -270,6 +280,7 @@ class SummaryText {
     }
     if (std::ranges::any_of(uses, [](const LimitUse& use) { return use.kind == LimitKind::force_speed; }))
       put("  force speed: a sample's force and the curve's at its speed, both in proportion as at standstill\n");
+    beside_arcs();
     if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
     for (const std::string& left : left_at_rest_in_words(result_, left_at_rest_)) put("  {}\n", left);
     for (const AxisLoad& load : result_.loads) {

@@ -57,20 +57,31 @@ class MovedAxis {
 
 }  // namespace
 
+/// The planner grants `position_floor`, and rounds as much otherwise.
+double UseOfLimit::floor() const {
+  return kind_ == LimitKind::contour ? 2.0 * position_floor : 0.0;
+}
+
+double UseOfLimit::use(double value) const {
+  return value <= floor() ? 0.0 : utilisation_of(kind_, value, bound_);
+}
+
 UseOfLimit::Worst UseOfLimit::worst() const {
   Worst worst;
   for (std::size_t k = 0; k < motion_.velocity.front().size(); ++k) {
-    const double value = value_(k), use = utilisation_of(kind_, value, bound_);
-    if (use > worst.use) worst = {use, value};
+    const double value = value_(k), used = use(value);
+    if (used > worst.use) worst = {used, value};
   }
   return worst;
 }
 
 bool UseOfLimit::is_worst(std::int64_t sample, const Worst& worst) const {
-  if (worst.use == 0.0) return sample == 0;
+  if (worst.use == 0.0 && floor() == 0.0) return sample == 0;
   const std::int64_t k = motion_.kept(sample);
   if (k < 0 || k >= std::ssize(motion_.velocity.front())) return false;
-  return std::abs(utilisation_of(kind_, value_(static_cast<std::size_t>(k)), bound_) - worst.use) <= 2.0 * rounding;
+  const double value = value_(static_cast<std::size_t>(k));
+  if (floor() > 0.0) return std::abs(value - worst.value) <= 2.0 * rounding * bound_ + floor();
+  return std::abs(use(value) - worst.use) <= 2.0 * rounding;
 }
 
 UseOfLimit use_of_axis(const DirectMotion& motion, const Axis& axis, std::size_t a, LimitKind kind, double period) {

@@ -24,6 +24,9 @@ class UseOfLimit {
 
   LimitKind kind() const { return kind_; }
   double bound() const { return bound_; }
+  /// By how much simulations that round otherwise may differ in a value whose bound may be 0: in a distance.
+  double floor() const;
+  double use(double value) const;
   Worst worst() const;
   /// Whether the value of a sample is the worst up to rounding: that of the simulation which chose the sample, and that
   /// of this one.

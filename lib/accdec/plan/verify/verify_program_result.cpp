@@ -200,7 +200,8 @@ class CommandCheck {
   void check_limit(std::size_t i, const UseOfLimit& use, const std::string& axis) {
     const std::string name = fmt::format("{}{}{}", to_string(use.kind()), axis.empty() ? "" : " ", axis);
     const UseOfLimit::Worst found = use.worst();
-    if (found.use > 1.0 + rounding) wrong(fmt::format("{} is broken: {:.6g} %", name, 100.0 * found.use));
+    if (found.use > 1.0 + rounding && found.value > use.bound() * (1.0 + rounding) + use.floor())
+      wrong(fmt::format("{} is broken: {:.6g} %", name, 100.0 * found.use));
     const auto& limits = result_.check.limits;
     if (i >= limits.size() || limits[i].kind != use.kind() || limits[i].axis != axis)
       return wrong(fmt::format("limits[{}] should be {}", i, name));
@@ -211,8 +212,8 @@ class CommandCheck {
     if (std::abs(recorded.bound - use.bound()) > (is_rotary(axis) ? 1e-15 * use.bound() : 0.0))
       wrong(fmt::format("{}: bound is recorded as {:.9g}, the task's is {:.9g}", name, recorded.bound, use.bound()));
     // The planner looks for the largest distance down to the precision of positions.
-    const double floor = rounding + (use.kind() == LimitKind::contour ? position_floor / use.bound() : 0.0);
-    if (!close(recorded.value, found.value, floor * use.bound()))
+    const double floor = rounding + (use.bound() > 0.0 ? use.floor() / use.bound() : 0.0);
+    if (!close(recorded.value, found.value, rounding * use.bound() + use.floor()))
       wrong(fmt::format("{}: value is recorded as {:.9g}, found {:.9g}", name, recorded.value, found.value));
     if (!close(recorded.utilisation, found.use, floor))
       wrong(fmt::format("{}: utilisation is recorded as {:.9g}, found {:.9g}", name, recorded.utilisation, found.use));
