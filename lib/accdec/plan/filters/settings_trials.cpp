@@ -30,7 +30,7 @@ double work_of_schedule(const ScheduledPlan& plan) {
 double work_of_kept(const Toolpath& path, const LimitedPlan& plan) {
   return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 2.5e-6 * plan.repairs;
 }
-/// Of the waits of one plan for a width, which takes the way left after each possible wait at each joint.
+/// The same for the waits of one plan for a width: the way left is taken after each possible wait at each joint.
 double work_of_waits(const Toolpath& path, const Filter& filter) {
   const double n = filter.order();
   return path.control.width > 0.0 ? static_cast<double>(path.blocks()) * n * (1e-9 * n + 3e-8) : 0.0;
