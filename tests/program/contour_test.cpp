@@ -29,17 +29,6 @@ struct Planned {
   double contour;  ///< m, largest distance of points on the steps of the motion from the blocks
 };
 
-double from_blocks(const Toolpath& path, double x, double y) {
-  double least = unlimited;
-  for (std::size_t b = 0; b < path.blocks(); ++b) {
-    const double *p = path.point(b), *q = path.point(b + 1);
-    const double dx = q[0] - p[0], dy = q[1] - p[1];
-    const double s = std::clamp(((x - p[0]) * dx + (y - p[1]) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-    least = std::min(least, std::hypot(x - p[0] - s * dx, y - p[1] - s * dy));
-  }
-  return least;
-}
-
 Planned planned(const std::string& text, const Task& task, const Filter& filter, Feeds feeds, double chords) {
   LineSource source("part.ngc", text);
   ToolpathOptions reading;
@@ -54,7 +43,7 @@ Planned planned(const std::string& text, const Task& task, const Filter& filter,
       const double t = static_cast<double>(i) / parts;
       const double x = before.position[0] + t * (now.position[0] - before.position[0]);
       const double y = before.position[1] + t * (now.position[1] - before.position[1]);
-      done.contour = std::max(done.contour, from_blocks(done.result.plan.path, x, y));
+      done.contour = std::max(done.contour, test::from_blocks(done.result.plan.path, x, y));
     }
   }
   return done;

@@ -60,14 +60,7 @@ double farthest(const std::vector<std::vector<double>>& at, const Toolpath& path
     for (int i = 1; i <= parts; ++i) {
       const double t = static_cast<double>(i) / parts;
       const double x = at[k - 1][0] + t * (at[k][0] - at[k - 1][0]), y = at[k - 1][1] + t * (at[k][1] - at[k - 1][1]);
-      double least = unlimited;
-      for (std::size_t b = 0; b < path.blocks(); ++b) {
-        const double *p = path.point(b), *q = path.point(b + 1);
-        const double dx = q[0] - p[0], dy = q[1] - p[1];
-        const double s = std::clamp(((x - p[0]) * dx + (y - p[1]) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-        least = std::min(least, std::hypot(x - p[0] - s * dx, y - p[1] - s * dy));
-      }
-      most = std::max(most, least);
+      most = std::max(most, test::from_blocks(path, x, y));
     }
   }
   return most;

@@ -135,6 +135,18 @@ inline Toolpath path_of(const std::string& text, const Machine& machine = {}) {
   return read_toolpath(source, machine, {});
 }
 
+/// m, of a point of the plane from the blocks of a path.
+inline double from_blocks(const Toolpath& path, double x, double y) {
+  double least = unlimited;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    const double *p = path.point(b), *q = path.point(b + 1);
+    const double dx = q[0] - p[0], dy = q[1] - p[1];
+    const double s = std::clamp(((x - p[0]) * dx + (y - p[1]) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+    least = std::min(least, std::hypot(x - p[0] - s * dx, y - p[1] - s * dy));
+  }
+  return least;
+}
+
 inline constexpr double period = 1e-3;  ///< s, of the programs in these tests
 
 /// Axes x, y, z, or the first of them, of equal limits in m, kg, s.

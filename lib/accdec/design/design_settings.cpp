@@ -141,6 +141,20 @@ void add_corner_feeds(Task lifted, double seconds, const std::atomic<bool>* canc
                                   step, settings_in_words(*near.chosen)));
 }
 
+/// With any step and length, and any delay.
+void add_lengths_and_delays(Task lifted, double seconds, const std::atomic<bool>* cancel,
+                            std::vector<std::string>& reasons) {
+  lifted.settings->delays.clear();
+  const SettableDesign near = best_settings(lifted, seconds, cancel);
+  if (near.chosen)
+    reasons.push_back(fmt::format("the nearest that do, with any step, length and delay: {}{}",
+                                  settings_in_words(*near.chosen),
+                                  and_delays(near.delays.delays, lifted.sample_period)));
+  else if (near.complete)
+    reasons.push_back(
+        fmt::format("none does up to order {}, whatever step, length and delay", lifted.design.order_max));
+}
+
 /// Adds the proof that no member of the families is shorter.
 void prove(const SettableDesign& best, const std::function<bool()>& late, DesignResult& result) {
   if (!best.complete) {
@@ -235,17 +249,10 @@ std::string why_no_setting_holds(const Task& task, double seconds, const std::at
     stage.length_step = stage.length_max = 0.0;
     stage.length_set.clear();
   }
-  if (corner_feed_alone(task)) {
+  if (corner_feed_alone(task))
     add_corner_feeds(std::move(lifted), 0.25 * seconds, cancel, reasons);
-    return fmt::format("{}", fmt::join(reasons, "; "));
-  }
-  lifted.settings->delays.clear();
-  const SettableDesign near = best_settings(lifted, 0.5 * seconds, cancel);
-  if (near.chosen)
-    reasons.push_back(fmt::format("the nearest that do, with any step, length and delay: {}{}",
-                                  settings_in_words(*near.chosen), and_delays(near.delays.delays, task.sample_period)));
-  else if (near.complete)
-    reasons.push_back(fmt::format("none does up to order {}, whatever step, length and delay", task.design.order_max));
+  else
+    add_lengths_and_delays(std::move(lifted), 0.5 * seconds, cancel, reasons);
   return fmt::format("{}", fmt::join(reasons, "; "));
 }
 

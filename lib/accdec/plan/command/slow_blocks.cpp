@@ -90,9 +90,9 @@ class FeedLimiter {
   /// Slows the faster block at every joint of the leg around joint b that its blocks cannot pass together, until the
   /// feed rises and falls in steps within the limits. True if anything was.
   bool ramp(std::size_t b) {
-    std::size_t first = b, last = b;
+    std::size_t first = b;
     while (first > 0 && !ends_leg(path_, first - 1)) --first;
-    last = leg_end(b);
+    const std::size_t last = leg_end(b);
     bool slowed = false;
     for (std::size_t i = first; i < last; ++i) slowed = slow_jump(i, i + 1) || slowed;
     for (std::size_t i = last; i > first; --i) slowed = slow_jump(i, i - 1) || slowed;
