@@ -122,6 +122,11 @@ void require_words(const ProgramArguments& options, const Task& task) {
                           "that option --emit writes the control's own program");
   }
   try {
+    require_dwells(*task.settings);
+  } catch (const std::invalid_argument& why) {
+    throw error_at_delays(options.task, why.what());
+  }
+  try {
     require_dialect(*task.settings);
   } catch (const std::invalid_argument& why) {
     throw error_at_controller(options.task, why.what());
@@ -334,9 +339,10 @@ void add_planning(CLI::App& command, ProgramArguments& options) {
   options.file.free.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command
       .add_option("--time-limit", options.file.time_limit,
-                  "Seconds for the whole command; half of them goes to the search for a filter or for a control's "
-                  "settings. Without this option, the search has 2 s plus 5 ms per block, at most "
-                  "60 s. The plan of what was found then takes as long as it needs")
+                  "Seconds for the whole command; half of them goes to the search for a filter. Without this option, "
+                  "the search has 2 s plus 5 ms per block, at most 60 s. A search for a control's settings ends after "
+                  "the work of so many seconds, or of a third of this limit, and by the clock after half of it. The "
+                  "plan of what was found then takes as long as it needs")
       ->check(positive_number());
   command
       .add_option("--plan", options.plan,

@@ -157,7 +157,9 @@ void verify_program(const std::string& text, const std::string& path, double lim
   if (seconds > limit)
     return pass(fmt::format("planning {} moves again may take {} s; --time-limit is {:g} s", programmed->blocks(),
                             shown_above(seconds, limit), limit));
-  RecordCheck check = check_program_record(text, record, std::move(programmed));
+  // Planning again leaves the time for all else.
+  const Deadline today(0.5 * (limit - spent - seconds_since(began)));
+  RecordCheck check = check_program_record(text, record, std::move(programmed), today);
   check.reasons.insert(check.reasons.begin(), reasons.begin(), reasons.end());
   if (!check.reasons.empty()) return refuse(fmt::format("{}", fmt::join(check.reasons, "\n  ")));
   if (!context.quiet) print_accepted(record, check, read);

@@ -48,7 +48,7 @@ struct Begun {
     samples.position.insert(samples.position.end(), motion.position.end() - n, motion.position.end());
     for (const double pass : made.passes) samples.passes.push_back(pass + 1.0);
     ProgramResult result = with_samples(profiles, samples);
-    EXPECT_EQ(judge_free_motion(result, machine), "");
+    EXPECT_EQ(judge_trajectory(result, machine), "");
     return result;
   }
 

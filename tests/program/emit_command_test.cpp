@@ -145,6 +145,27 @@ TEST_F(ProgramCommand, EmittedForLinuxcncNeedsAControlThatCanTimeAMove) {
   EXPECT_THAT(read("err"), HasSubstr("other.toml:5:10: `delays` has no \"timed-axis\""));
 }
 
+// G4 is no timed move. Without the axis nothing is planned or written.
+TEST_F(ProgramCommand, AControlOfTimedMovesNeedsTheirAxis) {
+  write("part.ngc", "G21 G90 G64 P0.01 F6000\nG1 X20\nG1 Y20\nM2\n");
+  const std::string head =
+      "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\n[filter]\nkind = \"boxcar\"\n"
+      "order = 24\n[controller]\n";
+  write("own.toml", head + "delays = [\"timed-axis\"]\n");
+  EXPECT_EQ(run("program part.ngc --task own.toml --emit e.ngc").code, 2);
+  EXPECT_THAT(read("err"),
+              HasSubstr("own.toml:8:10: `delays` has \"timed-axis\" and no \"dwell\": --emit needs --dwell-"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("e.ngc")));
+  ASSERT_EQ(run("program part.ngc --task own.toml --emit e.ngc --dwell-axis A").code, 0) << read("err");
+  EXPECT_THAT(read("e.ngc"), HasSubstr("\nG93\nG1 A0.01 F"));
+  write("named.toml", head + "name = \"linuxcnc\"\n");
+  EXPECT_EQ(run("program part.ngc --task named.toml --emit n.ngc").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("named.toml:8:8: `delays` has \"timed-axis\""));
+  write("both.toml", head + "delays = [\"timed-axis\", \"dwell\"]\n");
+  ASSERT_EQ(run("program part.ngc --task both.toml --emit b.ngc").code, 0) << read("err");
+  EXPECT_THAT(read("b.ngc"), HasSubstr("\nG4 P0.0"));
+}
+
 // As rs274 reads it: a program's number moves nothing. With a word behind it, it is a loop or a subroutine.
 TEST_F(ProgramCommand, AProgramsNumberIsReadAndKept) {
   const std::string rest = "N10 G21 G90 G64 P0.05 (start)\nG1 X60 F3000 (cut)\nY60\nM30\n%\n";

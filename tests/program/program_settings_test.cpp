@@ -140,7 +140,7 @@ TEST(ProgramSettings, ASearchWithoutTimeAnswersWithAGuess) {
   task.machine.axes.resize(1);  // for X, Y and Z
   LineSource source(test_support::source_folder() + "/problems/program/raster.ngc");
   const Toolpath path = read_toolpath(source, task.machine, {});
-  const std::optional<ProgramSettings> found = settings_for_program(path, task, true, Deadline(0.0), {});
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, true, Effort(0.0), {});
   ASSERT_TRUE(found);
   EXPECT_FALSE(found->complete);
   EXPECT_LE(found->tried, 20);

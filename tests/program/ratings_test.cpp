@@ -4,15 +4,18 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <accdec/filter.hpp>
 #include <accdec/plan/report/samples.hpp>
+#include <accdec/plan/run/free_plan.hpp>
+#include <accdec/plan/verify/verify_program_result.hpp>
 #include <accdec/program.hpp>
 
 #include "reference.hpp"
 
-// Feeds that a drive's rating lowers: against a sweep of lower feeds.
+// Feeds and accelerations that a drive's rating lowers: against sweeps of lower ones.
 
 namespace accdec {
 namespace {
@@ -24,11 +27,15 @@ Task rubbing_task() {
   return task;
 }
 
-ProgramResult planned(const Task& task, double all, double across, Feeds feeds) {
+Toolpath part(const Machine& machine, double all, double across) {
   const std::string text = fmt::format("G21 G90 G64 P0.1\nG1 X30 Y10 F{}\nY-40 F{}\nX0 F{}\nY0 F{}\nM2\n", all * 6000.0,
                                        all * across * 6000.0, all * 6000.0, all * across * 6000.0);
   LineSource source("part.ngc", text);
-  return run_program({"part.ngc", read_toolpath(source, task.machine, {}), task, feeds}, trapezoid(70, 20));
+  return read_toolpath(source, machine, {});
+}
+
+ProgramResult planned(const Task& task, double all, double across, Feeds feeds) {
+  return run_program({"part.ngc", part(task.machine, all, across), task, feeds}, trapezoid(70, 20));
 }
 
 /// Root mean square of the force of x, by differences of its positions.
@@ -69,6 +76,56 @@ TEST(ProgramRatings, LowerFeedsNoMoreThanASweepOfThem) {
       EXPECT_LE(cool.cycle_time, best) << part << " of what it had";
     }
   }
+}
+
+ProgramResult profiles(const Task& task, double feed) {
+  return run_profiles({"part.ngc", part(task.machine, feed, 1.0), task});
+}
+
+/// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes.
+TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
+  for (const double jerk : {unlimited, 50.0}) {
+    Task free = rubbing_task();
+    for (Axis& axis : free.machine.axes) axis.jerk_max = jerk, axis.coulomb = 0.0;
+    const Axis& x = free.machine.axes[0];
+    const ProgramResult warm = profiles(free, 1.0);
+    for (const double part : {0.9, 0.6}) {
+      Task task = free;
+      const double rating = task.machine.axes[0].force_rms_max = part * rms_of_x(warm, x);
+      const ProgramResult cool = profiles(task, 1.0);
+      ASSERT_TRUE(cool.verification.feasible) << cool.message;
+      EXPECT_STREQ(cool.plan.name(), "profiles");
+      EXPECT_LE(rms_of_x(cool, x), rating * (1.0 + 1e-9));
+      EXPECT_GT(cool.cycle_time, warm.cycle_time);
+      double best = unlimited;
+      for (double feed = 1.0; feed > 0.3; feed -= 0.05) {
+        for (double ramps = 1.0; ramps > 0.1; ramps *= 0.95) {
+          Task slower = free;
+          for (Axis& axis : slower.machine.axes) axis.acceleration_max *= ramps;
+          const ProgramResult slow = profiles(slower, feed);
+          if (slow.verification.feasible && rms_of_x(slow, x) <= rating) best = std::min(best, slow.cycle_time);
+        }
+      }
+      EXPECT_LE(cool.cycle_time, 1.01 * best) << part << " of what it had, jerk " << jerk;
+    }
+  }
+}
+
+/// A free motion is no slower than the profiles that it begins with, and as cool.
+TEST(ProgramRatings, HoldInFreeMotions) {
+  Task task = rubbing_task();
+  for (Axis& axis : task.machine.axes) axis.coulomb = 0.0;
+  const Axis x = task.machine.axes[0];
+  task.machine.axes[0].force_rms_max = 0.8 * rms_of_x(profiles(task, 1.0), x);
+  ProgramFileOptions options;
+  options.free.sweeps = 1;
+  const ProgramFile file{"part.ngc", part(task.machine, 1.0, 1.0)};
+  const ProgramResult free = run_free_plan(file, task, options, {}), begun = profiles(task, 1.0);
+  ASSERT_TRUE(free.verification.feasible) << free.message;
+  EXPECT_LE(rms_of_x(free, x), task.machine.axes[0].force_rms_max * (1.0 + 1e-9));
+  EXPECT_LE(free.cycle_time, begun.cycle_time);
+  const ProgramResultCheck check = verify_program_result(free, task);
+  EXPECT_TRUE(check.accepted) << fmt::format("{}", fmt::join(check.reasons, "; "));
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ Toolpath star(const Task& task) {
 TEST(SettingsWithoutTime, AControlOfCornerFeedsGetsOneThatHolds) {
   const Task task = star_task({DelayKind::corner_feed});
   const Toolpath path = star(task);
-  const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Deadline(0.0), {});
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Effort(0.0), {});
   ASSERT_TRUE(found);
   EXPECT_FALSE(found->complete);
   EXPECT_EQ(make_filter(found->chosen.filter).order() + 2, 17 + 12);
@@ -57,7 +57,7 @@ TEST(SettingsWithoutTime, ARapidMoveChangesNothing) {
   Toolpath path = star(task);
   path.rapid[0] = 1;
   path.duration[0] /= 5.0;
-  const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Deadline(0.0), {});
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, false, Effort(0.0), {});
   ASSERT_TRUE(found);
   EXPECT_EQ(make_filter(found->chosen.filter).order() + 2, 17 + 12);
 }

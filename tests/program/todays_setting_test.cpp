@@ -1,11 +1,17 @@
 #include <memory>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <accdec/plan/filters/effort.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
+#include <accdec/program.hpp>
+#include <accdec/task/settings_text.hpp>
 
 #include "program_command.hpp"
 #include "reference.hpp"
@@ -83,7 +89,7 @@ TEST(ProgramAnswer, NamesTheLimitThatEndedTheSearch) {
               HasSubstr("12 of 40400 settings planned, 345 guessed. The time limit ended the"));
   settings.search_limit = 8.2;
   EXPECT_THAT(program_settings_answer(result),
-              HasSubstr("its own limit of 8.2 s; --time-limit 33 searches twice as long."));
+              HasSubstr("its own limit of work, 8.2 s of one core; --time-limit 50 searches twice as long."));
   settings.complete = true;
   EXPECT_THAT(program_settings_answer(result), HasSubstr("no other of 40400 settings is planned faster."));
   // The control of the comparison has fewer delays than free taps.
@@ -100,6 +106,68 @@ TEST(ProgramAnswer, NamesTheLimitThatEndedTheSearch) {
   result.today = 9.5;
   EXPECT_THAT(program_settings_answer(result),
               HasSubstr("Today's setting takes 9.5 s as planned here; it is the faster one, keep it."));
+}
+
+/// Three averages are none of a control with two. The time of today's setting is planned again: it cannot be forged.
+TEST_F(ProgramCommand, ATodayThatTheControlCannotHaveIsSaidAndItsTimeIsPlannedAgain) {
+  write("part.ngc", "G21 G90 G64 P0.02 F6000\nG1 X20\nG1 Y20\nG1 X0\nM2\n");
+  const std::string head =
+      "sample_period_ms = 1\n[design]\norder_max = 60\n[[axis]]\nvelocity_max_mm_s = 500\n"
+      "acceleration_max_mm_s2 = 6000\n[controller]\nname = \"sinumerik-840d\"\n[filter]\nkind = \"averages\"\n";
+  write("t.toml", head + "lengths = [30, 10, 5]\n");
+  ASSERT_EQ(run("program part.ngc --task t.toml --json r.json --figure r.html").code, 0) << read("err");
+  const std::string said =
+      "Today's setting is none of this control: averages of 30 ms, 10 ms and 5 ms, and the control has 2 averages.";
+  EXPECT_THAT(read("out"), HasSubstr(said));
+  EXPECT_THAT(read("r.html"), HasSubstr("averages of 30 ms, 10 ms and 5 ms, and the control has 2 averages."));
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
+  const double time = record["cycle_time_s"], today = record["settings"]["today_s"];
+  EXPECT_GT(today, time);
+  Output verified = run("verify r.json");
+  EXPECT_EQ(verified.code, 0) << verified.out << verified.err;
+  EXPECT_THAT(verified.out, HasSubstr("; planned again with today's setting, "));
+  EXPECT_THAT(verified.out, testing::Not(HasSubstr("settings.today_s")));
+  const double forged = today + 0.1;
+  record["settings"]["today_s"] = forged;
+  std::string answer = record["settings"]["answer"];
+  const std::size_t from = answer.find(" Today's setting takes"), to = answer.find(said);
+  answer = answer.substr(0, from) +
+           fmt::format(" Today's setting takes {:.6g} s as planned here; retuning saves {:.4g} s ({}). ", forged,
+                       forged - time, percent_in_words((forged - time) / forged)) +
+           answer.substr(to);
+  record["settings"]["answer"] = answer;
+  write("forged.json", record.dump());
+  verified = run("verify forged.json");
+  EXPECT_EQ(verified.code, 1);
+  EXPECT_THAT(verified.out, HasSubstr(fmt::format("settings.today_s is recorded as {:.9g}, planned again it is {:.9g}",
+                                                  forged, today)));
+  write("t.toml", head + "lengths = [30, 10]\n");
+  ASSERT_EQ(run("program part.ngc --task t.toml").code, 0) << read("err");
+  EXPECT_THAT(read("out"), testing::Not(HasSubstr("none of this control")));
+}
+
+/// The work of a search is counted: a clock that does not end it changes nothing.
+TEST_F(ProgramCommand, ASearchForSettingsEndsAtTheSamePlace) {
+  const std::string program = test_support::source_folder() + "/problems/program/engraving.ngc";
+  write("t.toml",
+        "sample_period_ms = 1\n[controller]\nname = \"beckhoff-nc-ptp\"\n[program]\nerror_max_um = 20\n"
+        "[[axis]]\nvelocity_max_mm_s = 500\nacceleration_max_mm_s2 = 6000\n");
+  Task task = read_task(folder_.path("t.toml"), {.require_corners = false});
+  const Toolpath path = read_program_file(program, task, {}, {}).path;
+  const auto found = [&](const Deadline& clock) {
+    Effort effort(0.05, clock);
+    const ProgramFilter choice = settings_filter(path, task, true, effort, {});
+    return std::pair(choice.settings, effort.ended_by_clock());
+  };
+  const auto [first, first_late] = found({});
+  const auto [second, second_late] = found(Deadline(1e6));
+  ASSERT_TRUE(first && second && !first_late && !second_late);
+  EXPECT_EQ(first->tried, second->tried);
+  EXPECT_EQ(first->guessed, second->guessed);
+  EXPECT_EQ(first->complete, second->complete);
+  EXPECT_EQ(first->search_limit, second->search_limit);
+  EXPECT_EQ(first->chosen.filter.lengths, second->chosen.filter.lengths);
+  EXPECT_EQ(first->width, second->width);
 }
 
 }  // namespace

@@ -99,7 +99,8 @@ std::optional<double> filter_lower_bound(const Toolpath& path, const Machine& ta
   const auto command = static_cast<double>(timing.command_samples());  // delays only add runs, each rounded up
   double samples = command + moment(1.0 - first_tap, first_tap) + moment(1.0 - last_tap, last_tap) + 1.0;
   for (std::size_t b = 0; b + 1 < blocks; ++b) {
-    if (!ends_leg(path, b) || path.inside_arc[b] != 0) continue;
+    const bool bounded = path.joint[b] == Joint::stop || path.tolerance[b] < unlimited;
+    if (!ends_leg(path, b) || path.inside_arc[b] != 0 || !bounded) continue;
     const double *p = path.point(b), *q = p + n, *r = q + n;
     double in2 = 0.0, out2 = 0.0, dot = 0.0;
     for (std::size_t a = 0; a < n; ++a) {

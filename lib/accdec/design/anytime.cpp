@@ -81,7 +81,9 @@ class Anytime {
     linear_part(0.2);
     const bool finished = bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
     judge();
-    exact_->message = what_bound(task_, bound_ ? bound_->certificate.get() : nullptr, finished);
+    // A part that has no design names the limits in conflict.
+    if (exact_->status != Status::infeasible)
+      exact_->message = what_bound(task_, bound_ ? bound_->certificate.get() : nullptr, finished);
     if (settled()) return *exact_;
     if (best_ && best_->status == Status::optimal) return finish();
     families(1.0);

@@ -7,10 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <accdec/design/differing_servos.hpp>
 #include <accdec/family.hpp>
 #include <accdec/files.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/task/conflict.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -60,9 +64,7 @@ class BestOf {
   StopReason stop_ = StopReason::finished;  // of any search that ended early
 };
 
-}  // namespace
-
-DesignResult design_differing(const Task& task, const DesignOptions& options) {
+DesignResult search(const Task& task, const DesignOptions& options) {
   const auto began = std::chrono::steady_clock::now();
   const auto left = [&] { return options.time_limit - seconds_since(began); };
   const auto stopped = [&] { return left() <= 0.0 || (options.cancel != nullptr && options.cancel->load()); };
@@ -92,6 +94,36 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
     designs.offer(averages, left(), options.cancel);
   }
   DesignResult best = designs.best();
+  if (stopped()) best.stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
+  return best;
+}
+
+/// Limits such that, without any one of them, a search finds a design. Limits that the time does not suffice for may be
+/// among them.
+/// @param seconds  for all searches
+std::string conflict_text(const Task& task, const DesignOptions& options, double seconds) {
+  const auto began = std::chrono::steady_clock::now();
+  bool in_time = true;
+  const auto has_design = [&](const Task& without) {
+    DesignOptions quick = options;
+    quick.progress = nullptr, quick.nlp.improved = nullptr;
+    quick.exact.gap = 1.0;
+    quick.time_limit = std::min(0.3 * seconds, seconds - seconds_since(began));
+    const bool cancelled = options.cancel != nullptr && options.cancel->load();
+    in_time = in_time && quick.time_limit > 0.0 && !cancelled;
+    return !in_time || search(without, quick).has_design();
+  };
+  const std::vector<std::string> limits = limits_in_conflict(task, false, has_design);
+  if (limits.empty()) return "";
+  return fmt::format("; limits in conflict (by search, not proved): {}{}", in_time ? "" : "some of ",
+                     fmt::join(limits, ", "));
+}
+
+}  // namespace
+
+DesignResult design_differing(const Task& task, const DesignOptions& options) {
+  const auto began = std::chrono::steady_clock::now();
+  DesignResult best = search(task, options);
   const bool differ = servos_differ(task.machine);
   if (best.has_design())
     best.message = differ ? "axes respond differently: verified, and not proved to be the fastest"
@@ -99,7 +131,8 @@ DesignResult design_differing(const Task& task, const DesignOptions& options) {
   else
     best.message = differ ? "no design was found for axes with different servos; there may be one"
                           : "no design was found behind response_taps with negative taps; there may be one";
-  if (stopped()) best.stop = left() <= 0.0 ? StopReason::time_limit : StopReason::interrupted;
+  if (!best.has_design() && options.exact.gap < 0.9)
+    best.message += conflict_text(task, options, options.time_limit - seconds_since(began));
   return best;
 }
 

@@ -237,12 +237,12 @@ void Builder::close_joint(const Move& next, double off) {
     const bool exact = last_.control == PathControl::exact_path;
     tolerance = exact ? exact_tolerance(b) : last_.tolerance;
     if (tolerance < 0.0 && options_.error_max) tolerance = *options_.error_max;
-    if (tolerance < 0.0 && joint == Joint::straight) tolerance = unlimited;
+    // The contour then bounds the corners by itself.
+    if (tolerance < 0.0 && (joint == Joint::straight || options_.contour_max < unlimited)) tolerance = unlimited;
     if (tolerance < 0.0) {
       fail(last_,
            "the corner at the end of this move has no tolerance; write, in the program before it,\n  G64 P0.01\nor in "
-           "the task\n  [program]\n  error_max_um = 10\n(10 um here: the largest error you accept)" +
-               std::string(options_.contour_max < unlimited ? "\ncontour_max_um does not replace it: give both" : ""));
+           "the task\n  [program]\n  error_max_um = 10\n(10 um here: the largest error you accept)");
     }
     if (tolerance > 0.0 && tolerance < position_floor)
       fail(last_,
@@ -355,8 +355,8 @@ Toolpath Builder::finish() {
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
   auto reading = options.read;
   // As under G64 P, see MoveState.
-  if (options.error_max && *options.error_max > 0.0)
-    reading.arc_tolerance = std::min(reading.arc_tolerance, std::max(1e-9, *options.error_max / 8.0));
+  const double bound = options.error_max.value_or(options.contour_max);
+  if (bound > 0.0) reading.arc_tolerance = std::min(reading.arc_tolerance, std::max(1e-9, bound / 8.0));
   Builder builder(source, machine, options, reading.arc_tolerance);
   read_program(source, reading, builder);
   return builder.finish();

@@ -16,7 +16,8 @@ void widen_beside_stops(const Toolpath& path, std::vector<double>& radius) {
     std::size_t first = b, last = b + 1;
     while (first > 0 && path.joint[first - 1] == Joint::straight) --first;
     while (path.joint[last] == Joint::straight) ++last;
-    for (; first <= last; ++first) radius[first] = std::max(radius[first], path.tolerance[b]);
+    for (; first <= last; ++first)
+      radius[first] = std::max(radius[first], std::min(path.tolerance[b], path.contour_max));
   }
 }
 

@@ -18,7 +18,10 @@ constexpr double feed_slack = 1e-6;  // of programmed feeds, which durations giv
 std::vector<double> tube_radii(const Toolpath& path) {
   const std::size_t blocks = path.blocks();
   const auto granted = [&](std::size_t b) {
-    return path.joint[b] == Joint::stop || !(path.tolerance[b] < unlimited) ? 0.0 : path.tolerance[b];
+    if (path.joint[b] == Joint::stop) return 0.0;
+    if (path.tolerance[b] < unlimited) return path.tolerance[b];
+    // A path without tolerances may be bounded by its contour alone.
+    return path.joint[b] == Joint::straight || !(path.contour_max < unlimited) ? 0.0 : path.contour_max;
   };
   std::vector<double> radius(blocks);
   for (std::size_t first = 0; first < blocks;) {

@@ -9,6 +9,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/task/corner_feed.hpp>
 #include <accdec/task/delay_kinds.hpp>
+#include <accdec/task/not_of_control.hpp>
 #include <accdec/task/settings_notes.hpp>
 #include <accdec/task/settings_text.hpp>
 
@@ -355,7 +356,10 @@ std::string settings_answer(const DesignResult& result) {
                 ? fmt::format("retuning saves {} ({}).", milliseconds(saved), percent_in_words(saved / today))
                 : "retuning saves nothing.";
   }
-  return text + limit_broken_today(result) + assumed_in_words(own) + "\n";
+  text += limit_broken_today(result);
+  if (result.settings && result.task.baseline)
+    text += today_not_of_control(*own, *result.task.baseline, result.task.sample_period);
+  return text + assumed_in_words(own) + "\n";
 }
 
 }  // namespace accdec

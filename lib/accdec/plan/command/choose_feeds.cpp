@@ -91,9 +91,8 @@ class Scheduler {
         apart_(behind_.longest_order() + 2),
         joints_(path.blocks()),
         chosen_(path.blocks()) {
-    // If the path is symmetric, a corner is about as far from it as the path is from the legs.
     for (std::size_t b = 0; b < path.blocks(); ++b)
-      joints_[b].tolerance = std::min(path.tolerance[b], path.contour_max);
+      joints_[b].tolerance = std::min(path.tolerance[b], error_in_contour(b));
     for (const auto& [block, delay] : path.given_delays) {
       joints_[block].given = static_cast<int>(std::lround(std::min(delay / sample_period, 1e9)));
     }
@@ -130,6 +129,18 @@ class Scheduler {
     std::uint8_t errors = 0, limits = 0;  ///< how often it did not hold
     bool choose = true;
   };
+
+  /// The error of a joint with which a symmetric motion is as far from the legs as the contour allows, m: e sin(a/2) of
+  /// an interior angle a.
+  double error_in_contour(std::size_t b) const {
+    if (!(path_.contour_max < unlimited) || b + 1 == path_.blocks()) return path_.contour_max;
+    constexpr double sharpest = 1e-2;
+    const std::size_t n = feeds_.dimensions;
+    const double* u = feeds_.direction.data() + b * n;
+    double turn2 = 0.0;  // |u2 - u1|^2, that is 4 cos^2(a/2)
+    for (std::size_t a = 0; a < n; ++a) turn2 += (u[n + a] - u[a]) * (u[n + a] - u[a]);
+    return path_.contour_max / std::max(sharpest, std::sqrt(std::max(0.0, 1.0 - 0.25 * turn2)));
+  }
 
   void choose_joints() {
     FeedCaps caps(path_, feeds_, behind_, window_, period_, feed_step_);

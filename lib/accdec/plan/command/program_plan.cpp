@@ -220,8 +220,7 @@ class CurveTrials {
         best_duration_(path.duration) {
     path_.duration = programmed_;
     const FilterBehind behind(filter_, machine_, period_);
-    feeds_ =
-        curve_feeds(path_, behind.motion(), behind.felt_order(), period_, best_.delays, best_duration_, joints_max);
+    feeds_ = curve_feeds(path_, behind, period_, best_.delays, best_duration_, joints_max);
     for (const Curve& curve : feeds_.curves) {
       choices_.push_back({0.0, curve_time(curve, best_duration_, best_.delays, period_)});
     }

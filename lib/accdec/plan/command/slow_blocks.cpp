@@ -92,11 +92,17 @@ class FeedLimiter {
   bool ramp(std::size_t b) {
     std::size_t first = b, last = b;
     while (first > 0 && !ends_leg(path_, first - 1)) --first;
-    while (!ends_leg(path_, last)) ++last;
+    last = leg_end(b);
     bool slowed = false;
     for (std::size_t i = first; i < last; ++i) slowed = slow_jump(i, i + 1) || slowed;
     for (std::size_t i = last; i > first; --i) slowed = slow_jump(i, i - 1) || slowed;
     return slowed;
+  }
+
+  /// The joint that ends the leg of block b.
+  std::size_t leg_end(std::size_t b) const {
+    while (!ends_leg(path_, b)) ++b;
+    return b;
   }
 
   std::vector<SlowedFeeds> slowed() const {
@@ -205,11 +211,15 @@ std::vector<SlowedFeeds> limit_feeds(Toolpath& path, const Filter& filter, doubl
     bool slowed = limiter.slow(0, End::start, limiter.reach());
     slowed = limiter.slow(path.blocks() - 1, End::stop, limiter.reach()) || slowed;
     const double reach = round < 8 ? limiter.reach() : std::numeric_limits<double>::infinity();
+    std::size_t settled = 0;  // joints of a leg before it: another ramp changes nothing
     for (const std::size_t b : delays.impossible) {
       if (deadline.over()) break;
       // Inside a leg the feed need not fall to that of a stop: only its step must hold.
       if (ramps && round < 8 && !ends_leg(path, b)) {
-        slowed = limiter.ramp(b) || slowed;
+        if (b >= settled && !limiter.ramp(b))
+          settled = limiter.leg_end(b);
+        else
+          slowed = slowed || b >= settled;
         continue;
       }
       slowed = limiter.slow(b, End::stop, reach) || slowed;

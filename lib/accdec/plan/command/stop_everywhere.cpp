@@ -29,7 +29,9 @@ void part_by_phase(const Toolpath& path, const BlendLimits& limits, std::vector<
 /// The plan's feeds and delays, not simulated.
 ScheduledPlan with_stops(const Toolpath& path, const Filter& filter, double sample_period, const Machine& machine) {
   ScheduledPlan result{path, {}};
-  hold_contour(result.path, FilterBehind(filter, machine, sample_period), sample_period);
+  const std::vector<double> parts =
+      parts_within_contour(path, FilterBehind(filter, machine, sample_period), sample_period);
+  for (std::size_t b = 0; b < path.blocks(); ++b) result.path.duration[b] /= parts[b];
   const BlendLimits limits(filter, machine, sample_period);
   const std::size_t n = path.dimensions();
   const int apart = filter.order() + 2;

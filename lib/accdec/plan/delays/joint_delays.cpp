@@ -107,8 +107,9 @@ int JointDelays::stop(std::size_t b, double factor_in, double factor_out) {
   load(b, factor_in, in_, speed_in_);
   load(b + 1, factor_out, out_, speed_out_);
   // A limit that spans several samples may ask for a longer rest between the legs. A dwell is part of this rest.
+  const bool bounded = path_.tolerance[b] < unlimited || path_.contour_max < unlimited;
   const int least =
-      !behind_.ideal() && path_.tolerance[b] < unlimited ? std::max(exact_stop(), within_tolerance(b)) : exact_stop();
+      !behind_.ideal() && bounded ? std::max(exact_stop(), within_contour(within_tolerance(b))) : exact_stop();
   const int held = known(least, true, [&] { return within_limits(least, true); });
   const std::int64_t rest = held - dwell_samples(b);
   if (!path_.control.any() && rest > least + exact_stop_more) possible_ = false;
@@ -128,8 +129,8 @@ int JointDelays::corner(std::size_t b, double factor_in, double factor_out) {
 }
 
 int JointDelays::within_tolerance(std::size_t b) const {
-  if (!behind_.differs()) return finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
   if (!(path_.tolerance[b] < unlimited)) return 0;
+  if (!behind_.differs()) return finder_(cos_interior(), speed_in_ * period_, speed_out_ * period_, path_.tolerance[b]);
   const Corner corner = loaded();
   return least_delay(0, behind_.longest_order() + 1, [&](int d) {
     return corner_error(behind_, corner, d, period_) <= path_.tolerance[b] + position_floor;

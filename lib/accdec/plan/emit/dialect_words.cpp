@@ -26,6 +26,13 @@ void require_dialect(const ControllerSettings& control) {
                   control.controller));
 }
 
+void require_dwells(const ControllerSettings& control) {
+  if (!control.names(DelayKind::timed_axis) || control.names(DelayKind::dwell)) return;
+  throw std::invalid_argument(
+      "`delays` has \"timed-axis\" and no \"dwell\": --emit needs --dwell-axis, the axis A, B, C, U, V or W that the "
+      "program does not use and whose timed moves delay");
+}
+
 std::string DialectWords::remark(const std::string& words) const {
   if (!used() || !words.starts_with('(') || !words.ends_with(')')) return words;
   return fmt::format("{}{}{}", control_->dialect->comment, words.substr(1, words.size() - 2),

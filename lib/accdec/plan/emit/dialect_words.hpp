@@ -10,6 +10,9 @@ namespace accdec {
 /// @throws std::invalid_argument for a named controller with settings whose file has no words for programs
 void require_dialect(const ControllerSettings& control);
 
+/// @throws std::invalid_argument for a control that delays by timed moves alone, which emit_for_linuxcnc writes
+void require_dwells(const ControllerSettings& control);
+
 /// The words of a named controller for a plan that is written as a program.
 class DialectWords {
  public:

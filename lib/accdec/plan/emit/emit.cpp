@@ -348,6 +348,7 @@ bool stands_as_rapid(const Toolpath& path, std::size_t block, const Machine& mac
 }
 
 void emit_program(const ProgramResult& result, std::ostream& out) {
+  if (result.settings && result.settings->control) require_dwells(*result.settings->control);
   Emission(result, 0, out).write();
 }
 

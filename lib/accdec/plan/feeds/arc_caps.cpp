@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <accdec/motion/circle.hpp>
 #include <accdec/plan/feeds/arc_caps.hpp>
 
 namespace accdec {
@@ -56,28 +55,20 @@ const PathArc* arc_of(const Toolpath& path, std::size_t b) {
 
 ArcCaps::ArcCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehind& behind, const FeedWindow& window,
                  double sample_period)
-    : path_(path), feeds_(feeds), window_(window) {
-  // A response that overshoots may widen an arc. The polyline between samples adds 1/4.
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    deviation2_.push_back((std::abs(tap_variance(behind.motion(a))) + 0.25) * sample_period * sample_period);
-}
+    : path_(path), feeds_(feeds), window_(window), radius_error_(behind, path.dimensions(), sample_period) {}
 
 std::optional<double> ArcCaps::speed(std::size_t b, double tolerance) const {
   const PathArc* arc = arc_of(path_, b);
   if (arc == nullptr || b == arc->last) return std::nullopt;
   const double chords = arc->last - arc->first + 1.0, angle = std::abs(arc->angle),
                done = (b - arc->first + 1.0) / chords;
-  const double sagitta = arc->radius * (1.0 - std::cos(0.5 * angle / chords));
   const double* at = path_.programmed_point(b + 1);
   const double* from = path_.programmed_point(b);
   // On a helix only a part of the length lies in the plane.
   const double in_plane = std::hypot(at[arc->x] - from[arc->x], at[arc->y] - from[arc->y]) / feeds_.length[b];
   const double top = std::max(feeds_.length[b] / path_.duration[b], feeds_.length[b + 1] / path_.duration[b + 1]);
   double v = top * in_plane;
-  if (tolerance < unlimited) {
-    const double deviation2 = std::max(deviation2_[arc->x], deviation2_[arc->y]);
-    v = std::min(v, std::sqrt(2.0 * arc->radius * std::max(0.1 * tolerance, tolerance - sagitta) / deviation2));
-  }
+  if (tolerance < unlimited) v = std::min(v, radius_error_.speed(*arc, beside_chords(tolerance, sagitta_of(*arc))));
   double dx = 0.0, dy = 0.0;
   arc->from(at, dx, dy);
   const ArcHeading point{window_,

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/feed_march.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
+#include <accdec/plan/feeds/radius_error.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -19,9 +19,8 @@ const PathArc* arc_of(const Toolpath& path, std::size_t b);
 ///   2 v sin(w tau1/2)                      <= tau1 a_max         that is v^2/R <= a_max for short windows, and
 ///   4 v sin(w tau1/2) sin(w tau2/2)        <= tau1 tau2 j_max    v^3/R^2 <= j_max.
 /// Each is multiplied by the part of an axis in the normal or the tangent, for the worst heading within the window.
-/// Force and power hold at the speeds of the axes there. The filter, with variance s^2, averages points of the circle.
-/// It moves the path inwards by R (1 - |H|) <= v^2 s^2/(2 R). Between samples T apart the polyline cuts up to (v
-/// T)^2/(8 R) more. The chords of the command lie within their sagitta.
+/// Force and power hold at the speeds of the axes there. RadiusError gives the speed within a tolerance, of which the
+/// chords of the command take their sagitta.
 class ArcCaps {
  public:
   /// References are kept.
@@ -37,7 +36,7 @@ class ArcCaps {
   const Toolpath& path_;
   const FeedPath& feeds_;
   const FeedWindow& window_;
-  std::vector<double> deviation2_;  // of every axis, s^2, of the radius error, sampling included
+  RadiusError radius_error_;
 };
 
 }  // namespace accdec

@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Core>
 
 #include <accdec/machine/blend_behind.hpp>
 #include <accdec/plan/feeds/contour_feeds.hpp>
+#include <accdec/plan/feeds/radius_error.hpp>
 
 namespace accdec {
 
@@ -20,8 +24,27 @@ std::vector<double> parts_within_contour(const Toolpath& path, const FilterBehin
   return parts;
 }
 
+namespace {
+
+/// Lowers the parts of the chords of arcs to those at which the radius error is within the contour.
+void hold_arcs(const Toolpath& path, const FilterBehind& behind, double sample_period, std::vector<double>& parts) {
+  if (path.arcs.empty() || path.widen_arcs || !(path.contour_max > 0.0 && path.contour_max < unlimited)) return;
+  const RadiusError error(behind, path.dimensions(), sample_period);
+  for (const PathArc& arc : path.arcs) {
+    const double most = error.speed(arc, beside_chords(path.contour_max, sagitta_of(arc)));
+    for (std::size_t b = arc.first; b <= arc.last; ++b) {
+      const double *from = path.point(b), *to = path.point(b + 1);
+      const double speed = std::hypot(to[arc.x] - from[arc.x], to[arc.y] - from[arc.y]) / path.duration[b];
+      if (speed > most) parts[b] = std::min(parts[b], most / speed);
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<double> hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period) {
   std::vector<double> parts = parts_within_contour(path, behind, sample_period);
+  hold_arcs(path, behind, sample_period, parts);
   for (std::size_t b = 0; b < path.blocks(); ++b) path.duration[b] /= parts[b];
   return parts;
 }

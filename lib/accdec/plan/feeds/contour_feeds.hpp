@@ -12,7 +12,8 @@ namespace accdec {
 /// far off as at constant feed.
 std::vector<double> parts_within_contour(const Toolpath& path, const FilterBehind& behind, double sample_period);
 
-/// Slows the blocks to these parts of their feeds, and returns them.
+/// Slows the blocks to these parts of their feeds, and returns them. The feeds of arcs that are not widened fall to
+/// those at which their radius errors are within the contour, see RadiusError.
 std::vector<double> hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period);
 
 }  // namespace accdec

@@ -13,20 +13,20 @@ using Point = std::array<double, program_axis_count>;
 /// Deviation at the joints of one leg passed at constant speed.
 class SteadyError {
  public:
-  SteadyError(const Toolpath& path, const Filter& filter, std::size_t first, std::size_t last,
+  SteadyError(const Toolpath& path, const FilterBehind& behind, std::size_t first, std::size_t last,
               std::span<const double> length)
       : path_(path),
-        filter_(filter),
+        behind_(behind),
         first_(first),
         last_(last),
         length_(length),
-        command_(static_cast<std::size_t>(filter.order()) + 3) {}
+        command_(static_cast<std::size_t>(behind.longest_order()) + 3) {}
 
   /// Distance of joint b from the filtered path, m. @param step  v T, m
   double operator()(std::size_t b, double step) {
     const std::size_t n = path_.dimensions(), count = command_.size();
     // command_[i] is the command at mean delay + 1 - i samples after the joint.
-    const double mean = filter_.mean_delay();
+    const double mean = behind_.motion().mean_delay();
     std::size_t i = count;
     std::size_t block = b;
     double from_joint = 0.0;  // of the beginning of the block
@@ -46,9 +46,10 @@ class SteadyError {
     }
     std::array<Point, 3> passed{};
     for (std::size_t k = 0; k < 3; ++k) {
-      for (int tap = 0; tap <= filter_.order(); ++tap) {
-        const Point& c = command_[k + static_cast<std::size_t>(tap)];
-        for (std::size_t a = 0; a < n; ++a) passed[k][a] += filter_.tap(tap) * c[a];
+      for (std::size_t a = 0; a < n; ++a) {
+        const Filter& filter = behind_.motion(a);
+        for (int tap = 0; tap <= filter.order(); ++tap)
+          passed[k][a] += filter.tap(tap) * command_[k + static_cast<std::size_t>(tap)][a];
       }
     }
     const double* joint = path_.programmed_point(b + 1);
@@ -60,7 +61,8 @@ class SteadyError {
         along2 += d * d;
         dot += (joint[a] - passed[k][a]) * d;
       }
-      const double t = std::clamp(dot / along2, 0.0, 1.0);
+      // Axes that lag differently pass the joint at another time.
+      const double t = behind_.differs() ? dot / along2 : std::clamp(dot / along2, 0.0, 1.0);
       for (std::size_t a = 0; a < n; ++a) {
         const double x = passed[k][a] + t * (passed[k + 1][a] - passed[k][a]) - joint[a];
         sum += x * x;
@@ -78,7 +80,7 @@ class SteadyError {
   }
 
   const Toolpath& path_;
-  const Filter& filter_;
+  const FilterBehind& behind_;
   std::size_t first_, last_;  // blocks of the leg
   std::span<const double> length_;
   std::vector<Point> command_;
@@ -115,10 +117,10 @@ void add_slowed(const Toolpath& path, const Curve& leg, double reach, CurveFeeds
 
 }  // namespace
 
-CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, int order, double sample_period,
+CurveFeeds curve_feeds(const Toolpath& path, const FilterBehind& behind, double sample_period,
                        std::span<const int> delays, std::span<const double> planned, std::size_t joints_max) {
   const std::size_t blocks = path.blocks(), n = path.dimensions();
-  const double reach = (order + 2) * sample_period;
+  const double reach = (behind.felt_order() + 2) * sample_period;
   const auto chosen =
       [&](std::size_t b) {  // whether the plan had to do something about the block or the joint at its end
         return planned[b] > path.duration[b] * (1.0 + 1e-9) || (!ends_leg(path, b) && delays[b] > 0);
@@ -143,11 +145,12 @@ CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, int order, do
       for (std::size_t a = 0; a < n; ++a) sum += (p[n + a] - p[a]) * (p[n + a] - p[a]);
       length[b] = std::sqrt(sum);
     }
-    SteadyError error(path, filter, leg.first, leg.last, length);
+    SteadyError error(path, behind, leg.first, leg.last, length);
     for (std::size_t b = leg.first; b < leg.last; ++b) {
       const bool adjust_in = path.duration[b] < reach, adjust_out = path.duration[b + 1] < reach;
       if (!adjust_in && !adjust_out) continue;
-      const double bound = path.tolerance[b] > 0.0 ? path.tolerance[b] : sagitta(path, b, length[b], length[b + 1]);
+      const double granted = path.tolerance[b] > 0.0 ? path.tolerance[b] : sagitta(path, b, length[b], length[b + 1]);
+      const double bound = std::min(granted, path.contour_max);
       if (!(bound < unlimited) || bound < 1e-9) continue;
       const double fastest = std::max(adjust_in ? length[b] / path.duration[b] : 0.0,
                                       adjust_out ? length[b + 1] / path.duration[b + 1] : 0.0);

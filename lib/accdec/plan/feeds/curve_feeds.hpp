@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <accdec/filter.hpp>
+#include <accdec/machine/response.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -22,14 +22,13 @@ struct CurveFeeds {
 
 /// The error of a joint in a curve at constant speed v is its distance from the sum of points v T apart, weighted with
 /// the taps. On an arc of radius R it is about v^2 s^2 T^2/(2 R) with the second moment s^2 of the taps. The feed of a
-/// block is the largest, up to the programmed one, that keeps the tolerance at both its joints, found by bisection.
-/// If nothing is tolerated (G61), the sagitta stands for the tolerance. Blocks longer than the filter keep their
-/// feeds: their joints are alone, and a delay there costs less.
-/// @param filter  of the motion  @param order  of it, as far as it has to be seen
+/// block is the largest, up to the programmed one, that keeps the tolerance and the contour at both its joints, found
+/// by bisection. If nothing is tolerated (G61), the sagitta stands for the tolerance. Blocks longer than the filter
+/// keep their feeds: their joints are alone, and a delay there costs less.
 /// @param delays, planned  of a plan at the programmed feeds, whose durations s the path holds: what is delayed or was
 /// slowed there belongs to curves
 /// @param joints_max       with more joints to look at nothing is returned
-CurveFeeds curve_feeds(const Toolpath& path, const Filter& filter, int order, double sample_period,
+CurveFeeds curve_feeds(const Toolpath& path, const FilterBehind& behind, double sample_period,
                        std::span<const int> delays, std::span<const double> planned, std::size_t joints_max);
 
 /// Time in s that a plan spends on a curve: on its blocks and their neighbours, and at rest in their joints.

@@ -17,12 +17,6 @@ namespace {
 constexpr double inside_widened = 5.0, end_widened = 2.0;
 constexpr double slowest = 1e-3;  // part of the feed: no joint is passed more slowly; a delay does the rest
 
-double norm2(const double* v, std::size_t n) {
-  double sum = 0.0;
-  for (std::size_t a = 0; a < n; ++a) sum += v[a] * v[a];
-  return sum;
-}
-
 /// The block so far ahead of the end of block b, m, inside its leg; behind it if negative.
 std::size_t walk(const Toolpath& path, const FeedPath& feeds, std::size_t b, double distance) {
   if (distance >= 0.0) {
@@ -48,6 +42,7 @@ FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehi
       feed_step_(feed_step),
       finder_(motion_),
       arcs_(path, feeds, behind, window, sample_period),
+      steady_(path, feeds, behind, sample_period),
       within_contour_(parts_within_contour(path, behind, sample_period)),
       acceleration_(path.blocks(), unlimited),
       known_(path.blocks()) {
@@ -239,41 +234,6 @@ double FeedCaps::steady_change(std::size_t b, double v) const {
   return use;
 }
 
-double FeedCaps::steady_error(std::size_t b, double v) const {
-  const std::size_t n = feeds_.dimensions;
-  const double* joint = path_.programmed_point(b + 1);
-  const double mean = motion_.mean_delay(), step = v * period_;
-  std::array<double, program_axis_count> sum{};
-  // Taps before the mean see the path beyond the joint, those after it the path before.
-  std::size_t block = b + 1;
-  double from = 0.0;
-  for (int i = static_cast<int>(std::floor(mean)); i >= motion_.first_nonzero_tap(); --i) {
-    const double s = (mean - i) * step;
-    while (block + 1 < feeds_.blocks() && from + feeds_.length[block] < s && !ends_leg(path_, block))
-      from += feeds_.length[block++];
-    const double x = std::min(s - from, feeds_.length[block]), tap = motion_.tap(i);
-    const double *p = path_.point(block), *u = feeds_.direction.data() + block * n;
-    for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] + x * u[a] - joint[a]);
-  }
-  block = b;
-  from = 0.0;
-  for (int i = static_cast<int>(std::floor(mean)) + 1; i <= motion_.last_nonzero_tap(); ++i) {
-    const double s = (i - mean) * step;
-    while (block > 0 && from + feeds_.length[block] < s && !ends_leg(path_, block - 1)) from += feeds_.length[block--];
-    const double x = std::min(s - from, feeds_.length[block]), tap = motion_.tap(i);
-    const double *p = path_.point(block + 1), *u = feeds_.direction.data() + block * n;
-    for (std::size_t a = 0; a < n; ++a) sum[a] += tap * (p[a] - x * u[a] - joint[a]);
-  }
-  // Distances along the path cost nothing.
-  std::array<double, program_axis_count> along{};
-  for (std::size_t a = 0; a < n; ++a) along[a] = feeds_.direction[b * n + a] + feeds_.direction[(b + 1) * n + a];
-  const double length2 = norm2(along.data(), n);
-  double dot = 0.0;
-  for (std::size_t a = 0; a < n; ++a) dot += sum[a] * along[a];
-  for (std::size_t a = 0; a < n; ++a) sum[a] -= dot / std::max(length2, 1e-300) * along[a];
-  return std::sqrt(norm2(sum.data(), n));
-}
-
 double FeedCaps::smooth(std::size_t b, double tolerance) const {
   const double top = std::max(feed(b), feed(b + 1));
   // The radius error left by widened arcs is small inside them, and some of it remains at their ends.
@@ -289,11 +249,11 @@ double FeedCaps::smooth(std::size_t b, double tolerance) const {
     v /= k < 6 && use > 1.005 ? std::sqrt(use) : std::max(use, 1.001);
   }
   if (!(tolerance < unlimited) || path_.joint[b] == Joint::straight) return v;
-  if (steady_error(b, v) <= tolerance) return v;
+  if (steady_.error(b, v) <= tolerance) return v;
   double low = 0.0, high = v;
   for (int k = 0; k < 10 && high - low > 0.01 * high; ++k) {
     const double middle = 0.5 * (low + high);
-    (steady_error(b, middle) <= tolerance ? low : high) = middle;
+    (steady_.error(b, middle) <= tolerance ? low : high) = middle;
   }
   return std::max(low, slowest * top);
 }

@@ -9,6 +9,7 @@
 #include <accdec/plan/feeds/feed_march.hpp>
 #include <accdec/plan/feeds/feed_window.hpp>
 #include <accdec/plan/feeds/known_corners.hpp>
+#include <accdec/plan/feeds/steady_passing.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -57,7 +58,6 @@ class FeedCaps {
   double time_lost(std::size_t b, const CornerFeed& corner) const;
   /// s on each side of a corner in which its speed is held.
   double held_for(const CornerFeed& corner) const;
-  double steady_error(std::size_t b, double v) const;
   double steady_change(std::size_t b, double v) const;
   struct Zone;
   void hold(std::size_t b, double v, double left, bool ahead, std::vector<double>& cap, std::vector<Zone>& part) const;
@@ -71,6 +71,7 @@ class FeedCaps {
   double period_, feed_step_;
   DelayFinder finder_;
   ArcCaps arcs_;
+  SteadyPassing steady_;
   std::vector<double> within_contour_;  // of every block, see parts_within_contour
   std::vector<double> acceleration_;    // along every block, m/s^2
   KnownCorners<CornerFeed> known_;

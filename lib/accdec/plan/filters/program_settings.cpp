@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/effort.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/task/filter_in_words.hpp>
@@ -19,12 +20,11 @@ constexpr const char* any_taps = "taps";
 /// The settings looked at, and the limit that ended the search.
 std::string what_was_tried(const ProgramSettings& settings) {
   if (settings.complete) return fmt::format("no other of {} settings is planned faster.", settings.members);
-  // Half of --time-limit goes to the search.
   const std::string ended = settings.search_limit
                                 ? fmt::format(
-                                      "The search ended by its own limit of {:.3g} s; --time-limit {:.0f} "
-                                      "searches twice as long.",
-                                      *settings.search_limit, std::ceil(4.0 * *settings.search_limit))
+                                      "The search ended by its own limit of work, {:.3g} s of one core; --time-limit "
+                                      "{:.0f} searches twice as long.",
+                                      *settings.search_limit, std::ceil(2.0 * *settings.search_limit / work_of_limit))
                                 : "The time limit ended the search; a longer one plans more.";
   return fmt::format("{}: {} of {}{} settings planned, {} guessed. {}",
                      settings.tried > 1 ? "the fastest of those tried" : "the only one tried", settings.tried,
@@ -40,13 +40,17 @@ std::string beside_free_taps(const ProgramSettings& settings, double time) {
 }
 
 std::string beside_today(const ProgramResult& result) {
-  if (!result.today || (result.settings && result.settings->is_today)) return "";
+  if (result.settings && result.settings->is_today) return "";
+  const std::string not_had = result.settings ? result.settings->today_not_had : "";
+  if (!result.today) return not_had;
   const double today = *result.today, saved = today - result.cycle_time;
-  if (!(today < unlimited)) return " No plan with today's setting holds all limits.";
+  if (!(today < unlimited)) return " No plan with today's setting holds all limits." + not_had;
   std::string text = fmt::format(" Today's setting takes {:.6g} s as planned here; ", today);
   if (saved > 1e-9 * today)
-    return text + fmt::format("retuning saves {:.4g} s ({}).", saved, percent_in_words(saved / today));
-  return text + (saved < -1e-9 * today ? "it is the faster one, keep it." : "retuning saves nothing.");
+    text += fmt::format("retuning saves {:.4g} s ({}).", saved, percent_in_words(saved / today));
+  else
+    text += saved < -1e-9 * today && not_had.empty() ? "it is the faster one, keep it." : "retuning saves nothing.";
+  return text + not_had;
 }
 
 /// How many joints have a delay of a kind. One of no samples is none.

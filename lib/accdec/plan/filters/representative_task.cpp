@@ -39,7 +39,7 @@ struct Survey {
 /// tolerance.
 std::vector<int> class_of(const Toolpath& path, std::size_t b, const Eigen::VectorXd& in, const Eigen::VectorXd& out) {
   const auto logarithm = [](double x) {
-    return x > 0.0 ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000;
+    return x > 0.0 && x < unlimited ? static_cast<int>(std::floor(std::log(x) / std::log(1.5))) : -1000;
   };
   const double cosine = -in.dot(out) / (in.norm() * out.norm());
   const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;

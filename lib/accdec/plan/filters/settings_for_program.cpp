@@ -16,6 +16,7 @@
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
+#include <accdec/task/not_of_control.hpp>
 #include <accdec/task/settings_text.hpp>
 
 namespace accdec {
@@ -46,7 +47,7 @@ class MemberGuesses {
   /// Members all over the families, outwards from the best guess until they only lose. Then steps around the best
   /// guesses that are halved.
   /// @param first  the best plan's so far; null: none
-  void spread(const SettableMembers& members, const SettableMember* first, const Deadline& until) {
+  void spread(const SettableMembers& members, const SettableMember* first, const Effort& until) {
     std::vector<SettableMember> spread = members.spread();
     if (first != nullptr) of(*first);
     // Few orders, far apart, show where the others begin: smooth members, which suit most limits.
@@ -107,9 +108,9 @@ class MemberGuesses {
 
 class MemberSearch {
  public:
-  MemberSearch(const Task& task, const SettingsTrials& trials, const Deadline& deadline,
+  MemberSearch(const Task& task, const SettingsTrials& trials, const Effort& effort,
                const std::function<void(const std::string&)>& tell)
-      : task_(task), trials_(trials), deadline_(deadline), tell_(tell), members_(task), guesses_(trials) {}
+      : task_(task), trials_(trials), effort_(effort), tell_(tell), members_(task), guesses_(trials) {}
 
   /// @param today  null if there is none
   std::optional<ProgramSettings> run(const FilterSpec* today) {
@@ -143,9 +144,10 @@ class MemberSearch {
     // One that holds at all feeds shows early which others are not faster.
     for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
     if (best_) guesses_.of(*best_);
-    guesses_.spread(members_, best_ ? &*best_ : nullptr, deadline_.within(part_for_guesses * deadline_.left()));
+    guesses_.spread(members_, best_ ? &*best_ : nullptr, effort_.within(part_for_guesses));
     plan_guessed(first_planned);
     if (!best_) return;
+    if (!refined_) time_ = trials_.refined(make_filter(best_->spec), time_), refined_ = true;
     for (int step = members_.coarse_step(*best_); step >= 1; step /= 2) {
       for (bool better = true; better && !late();) {
         better = false;
@@ -164,10 +166,10 @@ class MemberSearch {
  private:
   static constexpr std::size_t first_planned = 4;
   static constexpr int most_late = 8;
-  static constexpr double part_for_guesses = 0.3;  ///< of the time
+  static constexpr double part_for_guesses = 0.3;  ///< of the work
 
-  /// Once the time is over. If none holds by then, a few more are planned.
-  bool late() const { return deadline_.over() && (best_ || late_ >= most_late); }
+  /// Once the work is done. If none holds by then, a few more are planned.
+  bool late() const { return effort_.over() && (best_ || late_ >= most_late); }
 
   /// A guess for want of a plan that holds: a slower plan with it may. The setting that holds at all feeds does most
   /// likely, else the best guess.
@@ -217,10 +219,15 @@ class MemberSearch {
   bool offer(const SettableMember& member) {
     if (late() || planned_.contains(member.key()) || hopeless(member)) return false;
     planned_.insert(member.key());
-    if (deadline_.over()) ++late_;
-    const TimedSetting time = trials_.plan(make_filter(member.spec), guesses_.of(member).width, !best_);
+    if (effort_.over()) ++late_;
+    const Filter filter = make_filter(member.spec);
+    TimedSetting time = trials_.plan(filter, guesses_.of(member).width, !best_);
+    // Only what comes near is worth more plans. The first one is refined behind others.
+    constexpr double near = 1.01;
+    const bool refines = best_ && time.samples < near * time_.samples;
+    if (refines) time = trials_.refined(filter, time);
     if (!(time.samples < time_.samples)) return false;
-    time_ = time;
+    time_ = time, refined_ = refines;
     best_ = member;
     if (tell_)
       tell_(
@@ -230,23 +237,23 @@ class MemberSearch {
 
   const Task& task_;
   const SettingsTrials& trials_;
-  const Deadline& deadline_;
+  const Effort& effort_;
   const std::function<void(const std::string&)>& tell_;
   SettableMembers members_;
   MemberGuesses guesses_;
   std::set<std::vector<int>> planned_, before_, guessed_before_;  // before: with fewer kinds of delays
-  int late_ = 0;                                                  // planned after the time was over
+  int late_ = 0;                                                  // planned after the work was done
   std::optional<SettableMember> best_, today_;
+  bool refined_ = false;  // whether widths around the best one's were planned
   TimedSetting time_;
 };
 
 }  // namespace
 
-std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const Task& task, bool keep,
-                                                    const Deadline& deadline,
+std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const Task& task, bool keep, Effort effort,
                                                     const std::function<void(const std::string&)>& tell) {
-  const SettingsTrials trials(path, task, keep, deadline);
-  MemberSearch search(task, trials, deadline, tell);
+  const SettingsTrials trials(path, task, keep, effort);
+  MemberSearch search(task, trials, effort, tell);
   const ControlDelays narrow = planned_control(*task.settings, 0.0);
   if (!task.settings->names(DelayKind::in_position) || narrow.names(DelayKind::in_position))
     return search.run(todays_filter(task));
@@ -254,7 +261,7 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
   constexpr double part_of_fewer = 0.6;
   Task fewer = task;
   std::erase(fewer.settings->delays, DelayKind::in_position);
-  const Deadline until = deadline.within(part_of_fewer * deadline.left());
+  Effort until = effort.within(part_of_fewer);
   const SettingsTrials plain(path, fewer, keep, until);
   MemberSearch first(fewer, plain, until, tell);
   first.search(todays_filter(task));
@@ -265,6 +272,11 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
 const FilterSpec* todays_filter(const Task& task) {
   if (task.filter && task.settings && task.settings->names_family()) return &*task.filter;
   return task.baseline ? &*task.baseline : nullptr;
+}
+
+std::string todays_filter_not_had(const Task& task) {
+  const FilterSpec* const today = todays_filter(task);
+  return today != nullptr && task.settings ? today_not_of_control(*task.settings, *today, task.sample_period) : "";
 }
 
 bool is_todays(const Task& task, const Filter& filter) {
@@ -278,7 +290,7 @@ namespace {
 /// slower plan with it may.
 TimedSetting timed(const SettingsTrials& trials, const Filter& filter) {
   const TimedSetting guess = trials.guess(filter, trials.any(filter), 0.0);
-  const TimedSetting time = trials.plan(filter, guess.width, true);
+  const TimedSetting time = trials.refined(filter, trials.plan(filter, guess.width, true));
   return time.samples < unlimited ? time : TimedSetting{unlimited, guess.width};
 }
 
@@ -292,15 +304,13 @@ ChosenSettings taps_to_set(const Task& task, const Filter& set) {
   return chosen;
 }
 
-double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
-                         const Deadline& deadline) {
+double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep, Effort effort) {
   if (task.settings->any_delay() || !task.settings->names(DelayKind::in_position)) return 0.0;
-  return timed(SettingsTrials(path, task, keep, deadline), filter).width;
+  return timed(SettingsTrials(path, task, keep, effort), filter).width;
 }
 
-void offer_averages(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
-                    ProgramFilter& choice) {
-  const SettingsTrials trials(path, task, keep, deadline);
+void offer_averages(const Toolpath& path, const Task& task, bool keep, Effort effort, ProgramFilter& choice) {
+  const SettingsTrials trials(path, task, keep, effort);
   double best = unlimited;
   const auto offer = [&](const Filter& filter, const KnownPlan& plan) {
     const TimedSetting time = timed(trials, filter);
@@ -317,7 +327,7 @@ void offer_averages(const Toolpath& path, const Task& task, bool keep, const Dea
   if (const FilterSpec* today = todays_filter(task)) offer_shape(*today);
   Task averages = task;
   averages.settings->families = {SettingFamily::averages}, averages.settings->stages.assign(2, {});
-  if (const auto found = settings_for_program(path, averages, keep, deadline, {})) offer_shape(found->chosen.filter);
+  if (const auto found = settings_for_program(path, averages, keep, effort, {})) offer_shape(found->chosen.filter);
 }
 
 std::string corner_without_stop(const Toolpath& path, const Task& task) {
@@ -332,13 +342,13 @@ std::string corner_without_stop(const Toolpath& path, const Task& task) {
   return "";
 }
 
-ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
+ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Effort& effort,
                               const std::function<void(const std::string&)>& tell) {
   const auto start = std::chrono::steady_clock::now();
   ProgramFilter result;
   result.message = corner_without_stop(path, task);
   if (!result.message.empty()) return result;
-  const std::optional<ProgramSettings> found = settings_for_program(path, task, keep, deadline, tell);
+  const std::optional<ProgramSettings> found = settings_for_program(path, task, keep, effort, tell);
   result.solver.method = "settings planned one by one";
   result.solver.name = "families";
   result.solver.wall_time = seconds_since(start);
@@ -355,6 +365,7 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
     return result;
   }
   result.settings = found;
+  if (!found->complete && !effort.ended_by_clock()) result.settings->search_limit = effort.most();
   result.solver.evaluations = found->tried;
   result.filter = make_filter(found->chosen.filter);
   return result;

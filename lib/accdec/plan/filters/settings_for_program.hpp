@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/plan/filters/design_program_filter.hpp>
+#include <accdec/plan/filters/effort.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
@@ -23,18 +23,17 @@ namespace accdec {
 /// lose. Steps around the best of them are halved. The best guesses are planned, then steps around the best plan whose
 /// guess is better, then all the others, the nearest first. A control with widths and other kinds of delays begins with
 /// the best setting without a width. A member is passed over for one of two reasons. Way over feed, the filter's length
-/// and its stops alone take as long as the best plan. Or its guess with delays of any number of samples does. The time
+/// and its stops alone take as long as the best plan. Or its guess with delays of any number of samples does. The work
 /// left decides how many are planned.
 /// @param task      with settings that name a family; its filter or baseline is today's
 /// @param keep      at the programmed feeds; else feeds are chosen
-/// @param deadline  ends the search
+/// @param effort    ends the search
 /// @param tell      one line a step, may be empty
-std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const Task& task, bool keep,
-                                                    const Deadline& deadline,
+std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const Task& task, bool keep, Effort effort,
                                                     const std::function<void(const std::string&)>& tell);
 
 /// The same as a filter for the program; without settings, the message says so.
-ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline,
+ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep, const Effort& effort,
                               const std::function<void(const std::string&)>& tell);
 
 /// Why the control cannot pass the program's corners: the first one that must be passed exactly (G61), by its line,
@@ -45,6 +44,9 @@ std::string corner_without_stop(const Toolpath& path, const Task& task);
 /// result's.
 const FilterSpec* todays_filter(const Task& task);
 
+/// A sentence, with a blank before it: why the control has no such setting. Empty: it has, or the task names none.
+std::string todays_filter_not_had(const Task& task);
+
 /// Whether a filter is that one.
 bool is_todays(const Task& task, const Filter& filter);
 
@@ -54,12 +56,11 @@ ChosenSettings taps_to_set(const Task& task, const Filter& set);
 /// The in-position width, m, with which the program takes the least time with a given filter; 0 if the control has
 /// none.
 /// @param task  with settings
-double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep,
-                         const Deadline& deadline);
+double width_for_program(const Toolpath& path, const Task& task, const Filter& filter, bool keep, Effort effort);
 
 /// Puts two averages, or today's filter, in place of taps that were designed for delays of any number of samples. It
 /// does so if the program is planned faster with them and the control's own delays. Sets the width, too.
 /// @param task    with settings of free taps  @param choice  the taps; none if no filter was found
-void offer_averages(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline, ProgramFilter& choice);
+void offer_averages(const Toolpath& path, const Task& task, bool keep, Effort effort, ProgramFilter& choice);
 
 }  // namespace accdec

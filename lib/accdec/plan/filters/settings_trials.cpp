@@ -20,6 +20,23 @@ namespace {
 /// Programs of at most so many blocks are planned at the programmed feeds, too, and repaired to the end.
 constexpr std::size_t small_program = 2'000;
 
+// Work of plans, s, as measured on programs of 200 to 9000 blocks. It differs by a factor of two or so.
+
+double work_of_schedule(const ScheduledPlan& plan) {
+  return 2e-4 + 1.5e-6 * static_cast<double>(plan.path.blocks()) * (plan.plan.rounds + 1);
+}
+double work_of_kept(const Toolpath& path, const ProgramPlan& plan) {
+  return 4e-4 + 3e-6 * static_cast<double>(path.blocks()) + 7e-4 * plan.rounds;
+}
+double work_of_pairs(const Toolpath& path) {
+  return 2e-5 + 6e-7 * static_cast<double>(path.blocks());
+}
+
+/// Samples, between delays that are tried first.
+int coarse_delays(const Filter& filter) {
+  return std::max(1, filter.order() / 8);
+}
+
 /// m, of a full-speed sample of a block: the way that the control watches.
 double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis) {
   double longest = 0.0;
@@ -70,12 +87,12 @@ class PairwiseTimes {
 
 }  // namespace
 
-SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline)
+SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep, Effort& effort)
     : path_(path),
       task_(task),
       machine_(program_machine(task.machine, path)),
       keep_(keep),
-      deadline_(deadline),
+      effort_(effort),
       feed_step_(corner_feed_step_of(task.settings)) {
   double time = 0.0;
   for (std::size_t b = 0; b < path.blocks(); ++b) {
@@ -127,7 +144,7 @@ void SettingsTrials::search_width(const Filter& filter, int from, int step, cons
                                   TimedSetting& best) const {
   for (; step >= 1; step /= 2) {
     for (const int delay : {from - step, from + step}) {
-      if (delay < 0 || delay > filter.order() || deadline_.over()) continue;
+      if (delay < 0 || delay > filter.order() || effort_.over()) continue;
       const double width = width_of(filter, delay), samples = time(planned_control(*task_.settings, width));
       if (samples < best.samples) best = {samples, width}, from = delay;
     }
@@ -144,8 +161,9 @@ double SettingsTrials::any(const Filter& set) const {
   const std::optional<Filter> filter = command(set);
   if (!filter) return unlimited;
   const double chosen = keep_ ? unlimited : scheduled(*filter, {});
+  if (guesses_kept()) effort_.spend(work_of_pairs(path_));
   return guesses_kept()
-             ? std::min(chosen, PairwiseTimes(path_, *filter, task_.sample_period, machine_, deadline_).any())
+             ? std::min(chosen, PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock()).any())
              : chosen;
 }
 
@@ -155,7 +173,10 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   if (!behind || control.any()) return {any, 0.0};
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
-  if (guesses_kept()) pairwise.emplace(path_, filter, task_.sample_period, machine_, deadline_);
+  if (guesses_kept()) {
+    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock());
+    effort_.spend(work_of_pairs(path_));
+  }
   const auto time = [&](const ControlDelays& with) {
     const double chosen = keep_ ? unlimited : scheduled(filter, with);
     return pairwise ? std::min(chosen, pairwise->with(with)) : chosen;
@@ -168,7 +189,7 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
     if (better) best = {samples, at};
     return better;
   };
-  const int coarse = std::max(1, filter.order() / 8);
+  const int coarse = coarse_delays(filter);
   if (width > 0.0) {
     const int near = delay_at(filter, width);
     take(near);
@@ -176,7 +197,7 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
     return best;
   }
   int middle = filter.order() / 2;
-  for (int delay = 0; delay <= filter.order() && !deadline_.over(); delay += coarse) {
+  for (int delay = 0; delay <= filter.order() && !effort_.over(); delay += coarse) {
     if (take(delay)) middle = delay;
   }
   search_width(filter, middle, coarse / 2, time, best);
@@ -184,30 +205,38 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
 }
 
 TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough) const {
-  const std::optional<Filter> behind = command(set);
-  if (!behind) return {};
-  const Filter& filter = *behind;
+  const std::optional<Filter> filter = command(set);
+  if (!filter) return {};
+  const Deadline until = thorough ? with_one_plan(effort_.clock()) : effort_.clock();
   const ControlDelays control = planned_control(*task_.settings, guessed);
-  const Deadline until = thorough ? with_one_plan(deadline_) : deadline_;
-  TimedSetting best{planned(filter, control, until), guessed};
+  TimedSetting best{planned(*filter, control, until), guessed};
   if (control.any() || !has_widths()) return best;
-  const auto time = [&](const ControlDelays& with) { return planned(filter, with, deadline_); };
-  int nearest = delay_at(filter, guessed);
-  const int coarse = std::max(1, filter.order() / 8);
-  for (int delay = 0; thorough && !(best.samples < unlimited) && delay <= filter.order(); delay += coarse) {
-    if (deadline_.over()) break;
-    const double width = width_of(filter, delay);
-    best = {time(planned_control(*task_.settings, width)), width}, nearest = delay;
+  const int coarse = coarse_delays(*filter);
+  for (int delay = 0; thorough && !(best.samples < unlimited) && delay <= filter->order(); delay += coarse) {
+    if (effort_.over()) break;
+    const double width = width_of(*filter, delay);
+    best = {planned(*filter, planned_control(*task_.settings, width), effort_.clock()), width};
   }
-  search_width(filter, nearest, std::max(1, coarse / 2), time, best);
+  return best;
+}
+
+TimedSetting SettingsTrials::refined(const Filter& set, const TimedSetting& planned) const {
+  const std::optional<Filter> filter = command(set);
+  const bool any = planned_control(*task_.settings, planned.width).any();
+  if (!filter || any || !has_widths() || !(planned.width > 0.0)) return planned;
+  TimedSetting best = planned;
+  const auto time = [&](const ControlDelays& with) { return this->planned(*filter, with, effort_.clock()); };
+  search_width(*filter, delay_at(*filter, best.width), std::max(1, coarse_delays(*filter) / 2), time, best);
   return best;
 }
 
 double SettingsTrials::scheduled(const Filter& filter, const ControlDelays& control) const {
   Toolpath path = path_;
   path.control = control;
-  return static_cast<double>(
-      schedule_feeds(path, filter, task_.sample_period, machine_, 0, deadline_, feed_step_).plan.simulation.samples);
+  const ScheduledPlan plan =
+      schedule_feeds(path, filter, task_.sample_period, machine_, 0, effort_.clock(), feed_step_);
+  effort_.spend(work_of_schedule(plan));
+  return static_cast<double>(plan.plan.simulation.samples);
 }
 
 double SettingsTrials::planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const {
@@ -223,12 +252,14 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
   if (!keep_) {
     const ScheduledPlan chosen =
         schedule_feeds(path, filter, task_.sample_period, machine_, small ? 40 : 3, until, feed_step_);
+    effort_.spend(work_of_schedule(chosen));
     take(chosen.path, chosen.plan);
   }
   if (keep_ || small) {
     limit_rapids(path, filter, task_.sample_period, machine_);
     snap_durations(path, filter, task_.sample_period, machine_);
     ProgramPlan plan = plan_program(path, filter, task_.sample_period, machine_, false, until);
+    effort_.spend(work_of_kept(path, plan));
     take(path, std::move(plan));
   }
   return best;

@@ -3,24 +3,15 @@
 #include <optional>
 #include <vector>
 
-#include <accdec/files.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
-#include <accdec/plan/command/program_plan.hpp>
+#include <accdec/plan/command/choose_feeds.hpp>
+#include <accdec/plan/filters/effort.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
 
 namespace accdec {
-
-/// s, that the plan of a setting has whatever the time limit. Without a plan that holds there is no answer. A plan that
-/// is cut short says little of the setting.
-inline constexpr double setting_seconds = 0.5;
-
-/// The deadline, or one that leaves the time for such a plan, unless the end is asked for.
-inline Deadline with_one_plan(const Deadline& deadline) {
-  return deadline.asked_to_end() || deadline.left() >= setting_seconds ? deadline : Deadline(setting_seconds);
-}
 
 /// A plan's time in samples, and its in-position width.
 struct TimedSetting {
@@ -33,7 +24,8 @@ class SettingsTrials {
  public:
   /// References are kept.
   /// @param task  with settings  @param keep  at the programmed feeds; else feeds are chosen
-  SettingsTrials(const Toolpath& path, const Task& task, bool keep, const Deadline& deadline);
+  /// @param effort  counts the work, and ends it
+  SettingsTrials(const Toolpath& path, const Task& task, bool keep, Effort& effort);
 
   /// Samples that no plan with a filter of this order undercuts: way over feed, and the filter once a run.
   double least(int order) const { return moving_ + (stops_ + 1.0) * order + 1.0; }
@@ -50,9 +42,11 @@ class SettingsTrials {
   /// @param width  m, near which it is looked for; 0: all widths are
   TimedSetting guess(const Filter& set, double any, double width) const;
 
-  /// Planned with a width and those around it.
+  /// Planned with a width.
   /// @param thorough  if this width does not do, widths of all sizes are planned
   TimedSetting plan(const Filter& set, double width, bool thorough) const;
+  /// The same with the best of the widths around that of a plan.
+  TimedSetting refined(const Filter& set, const TimedSetting& planned) const;
 
  private:
   double planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const;
@@ -72,7 +66,7 @@ class SettingsTrials {
   const Task& task_;
   Machine machine_;
   bool keep_;
-  const Deadline& deadline_;
+  Effort& effort_;
   double feed_step_;  // see corner_feed_step_of
   double moving_ = 0.0, stops_ = 0.0;
   double step_ = 0.0;     // m, of the fastest corner

@@ -12,11 +12,13 @@
 #include <accdec/bounds/lower_bound.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
+#include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_comparison.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plan/run/other_rules.hpp>
+#include <accdec/plan/run/todays_time.hpp>
 #include <accdec/plan/verify/motion_proof.hpp>
 #include <accdec/plan/verify/program_departure.hpp>
 #include <accdec/plan/verify/verify_delay_kinds.hpp>
@@ -128,6 +130,54 @@ void find_other_rules(const ProgramRecord& record, ProgramResult& found) {
   found.exact_stop_breaks = std::move(times.breaks);
 }
 
+/// Holds the time of today's setting against a plan with it.
+class TodayCheck {
+ public:
+  TodayCheck(const ProgramRecord& record, const std::optional<Toolpath>& programmed, const Deadline& until)
+      : result_(record.result), name_(result_.settings ? "settings.today_s" : "today_s") {
+    if (!result_.today) return;
+    if (!record.task.settings || todays_filter(record.task) == nullptr)
+      reason_ = name_ + " is recorded, but the task names no setting of today";
+    else if (result_.settings && result_.settings->is_today)
+      compare(result_.cycle_time);
+    else if (programmed && *result_.today >= result_.cycle_time)
+      plan_again(record, *programmed, until);
+    else  // one that is faster than the answer may be of a plan that a time limit cut short
+      skipped_ = name_;
+  }
+
+  void tell(std::vector<std::string>& reasons, ProgramDifferences& compared, std::string& shown) const {
+    if (!reason_.empty()) reasons.push_back(reason_);
+    if (!skipped_.empty()) compared.skipped.push_back(skipped_);
+    shown += shown_;
+  }
+
+ private:
+  void plan_again(const ProgramRecord& record, const Toolpath& programmed, const Deadline& until) {
+    const Feeds asked = record.inputs.reading.clamp_feeds ? Feeds::choose : Feeds::keep;
+    const TodaysTime again = todays_time(programmed, record.task, feeds_of(record.task, asked), until, until);
+    if (again.cut) {
+      skipped_ = name_;
+      return;
+    }
+    compare(again.time);
+    shown_ = again.time < unlimited ? fmt::format("; planned again with today's setting, {:.6g} s", again.time)
+                                    : "; planned again with today's setting, which breaks a limit";
+  }
+
+  void compare(double found) {
+    const double recorded = *result_.today;
+    if (recorded == found || std::abs(recorded - found) <= 1e-9 * found) return;
+    const auto seconds = [](double time) {
+      return time < unlimited ? fmt::format("{:.9g}", time) : std::string("null (no plan holds)");
+    };
+    reason_ = fmt::format("{} is recorded as {}, planned again it is {}", name_, seconds(recorded), seconds(found));
+  }
+
+  const ProgramResult& result_;
+  std::string name_, reason_, skipped_, shown_;
+};
+
 /// Members that cannot be checked without the output of rs274, which is not kept.
 const std::vector<std::string> of_the_program{"blocks",        "straight_moves", "feeds",     "feeds_clamped",
                                               "lower_bound_s", "filter_bound_s", "estimates", "arcs"};
@@ -138,7 +188,9 @@ RecordCheck with(std::vector<std::string> reasons, ProgramDifferences compared, 
   return {std::move(reasons), std::move(compared.skipped), std::move(shown), proved_bound};
 }
 
-RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed) {
+RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed,
+                       const Deadline& until) {
+  const TodayCheck today(record, programmed, until);
   ProgramResult result = record.result;
   if (programmed && result.settings && record.task.settings) mark_waits(*programmed, result.plan.path.control);
   if (programmed) take_arcs(result.plan.path, *programmed);
@@ -159,8 +211,9 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   check.found.worst_shown = record.result.worst_shown;
   check.found.today = record.result.today;
   check.found.taps_control = record.result.taps_control;
-  return with(std::move(check.reasons), program_differences(text, record, check.found, skip), std::move(check.shown),
-              proved);
+  ProgramDifferences compared = program_differences(text, record, check.found, skip);
+  today.tell(check.reasons, compared, check.shown);
+  return with(std::move(check.reasons), std::move(compared), std::move(check.shown), proved);
 }
 
 /// As accdec.profiles/1 left room beside arcs for their chords.
@@ -187,9 +240,9 @@ RecordCheck check_planned_again(std::string_view text, const ProgramRecord& reco
 
 }  // namespace
 
-RecordCheck check_program_record(std::string_view text, const ProgramRecord& record,
-                                 std::optional<Toolpath> programmed) {
-  if (record.schema != ProgramSchema::profiles_1) return check_plan(text, record, std::move(programmed));
+RecordCheck check_program_record(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed,
+                                 const Deadline& today) {
+  if (record.schema != ProgramSchema::profiles_1) return check_plan(text, record, std::move(programmed), today);
   if (programmed) return check_planned_again(text, record, std::move(*programmed));
   return {{"accdec.profiles/1 holds no motion, and the program cannot be read to plan it again"}, {}, "", 0.0};
 }

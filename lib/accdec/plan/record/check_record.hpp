@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <accdec/files.hpp>
 #include <accdec/plan/record/program_record.hpp>
 
 namespace accdec {
@@ -23,7 +24,9 @@ struct RecordCheck {
 /// @param text        of the result  @param record  read from it, with its plan if its schema has one
 /// @param programmed  the program, read as for the result; none where that is not possible: then points, tolerances,
 ///                    feeds and what is recorded of the program are not compared
-RecordCheck check_program_record(std::string_view text, const ProgramRecord& record,
-                                 std::optional<Toolpath> programmed);
+/// @param today       ends planning the program again with today's setting of its control: its time is not compared
+/// then
+RecordCheck check_program_record(std::string_view text, const ProgramRecord& record, std::optional<Toolpath> programmed,
+                                 const Deadline& today = {});
 
 }  // namespace accdec

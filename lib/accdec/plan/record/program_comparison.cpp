@@ -336,11 +336,9 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
     differences.skipped.emplace_back("commands.trajectory.stretch_s2_m at rest");
   }
   if (record.result.settings) {
-    for (const char* name : {"members", "tried", "guessed", "complete", "free_taps_s", "today_s"})
+    for (const char* name : {"members", "tried", "guessed", "complete", "free_taps_s"})
       differences.skipped.push_back(std::string("settings.") + name);
     if (record.result.settings->search_limit) differences.skipped.emplace_back("settings.search_limit_s");
-  } else if (record.result.today) {
-    differences.skipped.emplace_back("today_s");
   }
   return differences;
 }

@@ -91,6 +91,7 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
   }
   settings.is_today = result.plan.command() != nullptr && is_todays(task, result.plan.set());
   settings.chosen.family = *family;
+  settings.today_not_had = todays_filter_not_had(task);
   for (const Value& value : json["values"].elements())
     settings.chosen.values.push_back({value["name"].text(), value["value"].number(), value["unit"].text()});
   read_impulses(result.sample_period, settings.chosen);

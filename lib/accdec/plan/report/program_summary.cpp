@@ -141,7 +141,9 @@ class SummaryText {
 
   void corners() {
     if (result_.worst_line == 0)
-      put("\n  no corner grants a tolerance\n");
+      put("\n  no corner {}\n", result_.plan.path.contour_max < unlimited
+                                    ? "has a tolerance: the contour bounds the motion"
+                                    : "grants a tolerance");
     else
       put("\n  largest corner error {:.3f} um; most of its tolerance used: {:.1f} % in line {}\n",
           result_.worst_error * 1e6, 100.0 * result_.worst_utilisation, result_.worst_line);
@@ -220,10 +222,12 @@ class SummaryText {
           either("um", "mdeg"), 4e3 * unit / std::pow(result_.sample_period, 3), either("mm/s^3", "deg/s^3"));
     }
     for (const FeedOverride& at : result_.overrides) {
-      put("  {:<28}corner error {:.3f} um, {:.1f} % of its tolerance{}",
-          fmt::format("feed override {:.0f} %", 100.0 * at.factor), at.worst_error * 1e6, 100.0 * at.worst_utilisation,
-          at.worst_line > 0 ? fmt::format(" in line {}", at.worst_line) : "");
-      if (!at.limit.empty()) put("; {} used by {:.1f} %", at.limit, 100.0 * at.limit_utilisation);
+      put("  {:<28}", fmt::format("feed override {:.0f} %", 100.0 * at.factor));
+      if (at.worst_line > 0 || at.limit.empty())
+        put("corner error {:.3f} um, {:.1f} % of its tolerance{}", at.worst_error * 1e6, 100.0 * at.worst_utilisation,
+            at.worst_line > 0 ? fmt::format(" in line {}", at.worst_line) : "");
+      if (!at.limit.empty())
+        put("{}{} used by {:.1f} %", at.worst_line > 0 ? "; " : "", at.limit, 100.0 * at.limit_utilisation);
       const bool error = broken(at.worst_utilisation), limit = broken(at.limit_utilisation);
       if (error || limit)
         put("\n    breaks {}{}{}", error ? "its tolerance" : "", error && limit ? " and " : "", limit ? at.limit : "");

@@ -57,7 +57,7 @@ std::optional<AlongPlan> plan_along(const ProgramResult& profiles, const Task& t
   const FreePath tube(path, machine, profiles.sample_period);
   FreeSamples samples = with_runs_along(tube, sampled(path, *trajectory, profiles.sample_period), deadline);
   ProgramResult result = with_samples(profiles, samples);
-  const std::string broken = judge_free_motion(result, machine);
+  const std::string broken = judge_trajectory(result, machine);
   if (!broken.empty() || !(result.cycle_time < profiles.cycle_time)) return {};
   result.solver.method = "speed along the path";
   result.solver.wall_time = profiles.solver.wall_time + seconds_since(start);

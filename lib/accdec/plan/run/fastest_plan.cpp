@@ -31,19 +31,21 @@ bool time_for_one_filter(const Toolpath& path, const Deadline& deadline) {
   return path.blocks() <= several_plans_max && (path.blocks() <= always || !deadline.over());
 }
 
-ProgramResult plan_profiles_of(PlanningProblem problem) {
+ProgramResult plan_profiles_of(PlanningProblem problem, std::optional<CoolProfiles>* cool) {
   const double bound = program_lower_bound(problem.path, program_machine(problem.task.machine, problem.path),
                                            problem.task.sample_period);
-  ProgramResult result = run_profiles(std::move(problem));
+  std::optional<CoolProfiles> lower;
+  ProgramResult result = run_profiles(std::move(problem), cool != nullptr ? *cool : lower);
   result.lower_bound = bound;
   return result;
 }
 
-ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline) {
+ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline,
+                                  std::optional<CoolProfiles>* cool) {
   // If checking its samples takes all the time there is, one filter may still be planned.
   const bool several = file.path.blocks() <= several_plans_max;
   const Deadline most = several ? deadline.within(0.6 * deadline.left()) : deadline;
-  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most});
+  ProgramResult profiles = plan_profiles_of({file.name, file.path, task, Feeds::choose, most}, cool);
   profiles.reading = file.reading;
   return profiles;
 }

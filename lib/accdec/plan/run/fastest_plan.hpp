@@ -1,8 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
+#include <accdec/plan/run/cool_profiles.hpp>
 #include <accdec/program.hpp>
 
 namespace accdec {
@@ -28,10 +30,12 @@ ProgramResult run_fastest_plan(const ProgramFile& file, const Task& task, const 
                                const std::function<void(const std::string&)>& tell);
 
 /// Plan profiles of a program, with its lower bound.
-ProgramResult plan_profiles_of(PlanningProblem problem);
+/// @param cool  see run_profiles
+ProgramResult plan_profiles_of(PlanningProblem problem, std::optional<CoolProfiles>* cool = nullptr);
 
 /// As above, in the part of the time that it has in every plan: the plans that go on from it are never slower.
-ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline);
+ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline,
+                                  std::optional<CoolProfiles>* cool = nullptr);
 
 /// Bounds of corners, for sums of monotone legs and for any motion, whichever plan. Made for programs of up to
 /// `several_plans_max` blocks: longer ones take longer to bound than to plan.

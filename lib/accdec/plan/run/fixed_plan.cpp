@@ -12,11 +12,12 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/design_program_filter.hpp>
+#include <accdec/plan/filters/effort.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
-#include <accdec/plan/filters/settings_trials.hpp>
 #include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/run/todays_time.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task/settings_text.hpp>
@@ -26,14 +27,21 @@ namespace {
 
 using Tell = std::function<void(const std::string&)>;
 
-/// s, for a filter. Small programs are not worth a minute.
+/// s, for a filter.
 double filter_seconds(const Toolpath& path, const ProgramFileOptions& options) {
-  const double usual = std::min(60.0, 2.0 + 5e-3 * static_cast<double>(path.blocks()));
   // The plan needs a part of what is left; bounds come behind it.
   constexpr double part_of_limit = 0.5, part_of_left = 2.0 / 3.0;
   return options.time_limit
              ? std::max(0.05, std::min(part_of_limit * *options.time_limit, part_of_left * options.deadline.left()))
-             : usual;
+             : usual_seconds(path.blocks());
+}
+
+/// For settings: work, which ends the search at the same place on every machine. A time limit has a clock beside it.
+/// @param part  of the search's
+Effort settings_effort(const Toolpath& path, const ProgramFileOptions& options, double part) {
+  const double seconds = part * filter_seconds(path, options);
+  if (!options.time_limit) return Effort(seconds, options.deadline);
+  return Effort(part * work_of_limit * *options.time_limit, options.deadline.within(std::max(0.05, seconds)));
 }
 
 /// Blocks of programs that are planned with settings whatever the time limit.
@@ -64,11 +72,6 @@ ProgramFilter taps_for_program(const Toolpath& path, const Task& task, const Pro
   return designed;
 }
 
-/// Those asked for. A control that waits at the end of every block has one feed a block.
-Feeds feeds_of(const Task& task, const ProgramFileOptions& options) {
-  return task.settings && waits_at_ends(control_of(*task.settings, 0.0)) ? Feeds::keep : options.fixed.feeds;
-}
-
 void mark_waits(Toolpath& path, const Task& task) {
   if (task.settings) mark_waits(path, control_of(*task.settings, 0.0));
 }
@@ -78,17 +81,11 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
                                  const Tell& tell) {
   const bool emitted_one = options.fixed.dwells_before_filter && emitted_filter(path);
   ProgramFileOptions own = options;
-  own.fixed.feeds = feeds_of(task, options);
+  own.fixed.feeds = feeds_of(task, options.fixed.feeds);
   const bool keep = own.fixed.feeds == Feeds::keep;
-  const auto until = [&] { return options.deadline.within(filter_seconds(path, options)); };
   if (task.settings && task.settings->names_family() && !emitted_one) {
-    const double limit = filter_seconds(path, options);
-    const Deadline end = options.deadline.within(limit);
-    ProgramFilter choice =
-        settings_filter(path, task, keep, path.blocks() <= at_once_max ? with_one_plan(end) : end, tell);
-    const bool own = !options.time_limit && !options.deadline.over();
-    if (own && choice.settings && !choice.settings->complete) choice.settings->search_limit = limit;
-    return choice;
+    const Effort effort = settings_effort(path, options, 1.0);
+    return settings_filter(path, task, keep, path.blocks() <= at_once_max ? effort.with_one_plan() : effort, tell);
   }
   const bool of_taps = task.settings && !task.settings->names_family() && has_settings(*task.settings) &&
                        !(emitted_one && limits_taps(*task.settings) && task.settings->names(DelayKind::in_position));
@@ -100,10 +97,11 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
   any.settings.reset();
   choice = taps_for_program(path, any, own, tell);
   if (choice.designed)
-    offer_averages(path, task, keep, until(), choice);
+    offer_averages(path, task, keep, settings_effort(path, options, 1.0), choice);
   else if (choice.filter)
-    choice.settings = {.chosen = taps_to_set(task, *choice.filter),
-                       .width = width_for_program(path, task, *choice.filter, keep, until())};
+    choice.settings = {
+        .chosen = taps_to_set(task, *choice.filter),
+        .width = width_for_program(path, task, *choice.filter, keep, settings_effort(path, options, 1.0))};
   return choice;
 }
 
@@ -157,6 +155,7 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task
   result.settings->control = std::make_shared<const ControllerSettings>(*task.settings);
   if (result.plan.empty()) return;
   result.settings->is_today = is_todays(task, result.plan.set());
+  result.settings->today_not_had = todays_filter_not_had(task);
   const FilteredCommand& command = *result.plan.command();
   CommandDelays delays = command_delays(result.plan.path, command.filter, task.sample_period, command.delays);
   if (!task.settings->delays.empty()) result.settings->chosen.delays = std::move(delays.kinds);
@@ -168,38 +167,33 @@ void say_settings(ProgramResult& result, const ProgramFilter& choice, const Task
 }
 
 /// Adds the time that the program takes with today's setting of the task's control, if the task names one.
-void say_today(ProgramResult& result, const Toolpath& programmed, const Task& task, const ProgramFileOptions& options) {
-  const FilterSpec* const today = todays_filter(task);
+/// @param programmed  of the answer's chords
+void say_today(ProgramResult& result, Toolpath programmed, const Task& task, const ProgramFileOptions& options) {
   if (result.settings && result.settings->is_today) {
     result.today = result.verification.feasible ? result.cycle_time : unlimited;
     return;
   }
   const bool short_one = task.settings->names_family() && programmed.blocks() <= at_once_max;
-  if (today == nullptr || (!short_one && options.deadline.over())) return;
-  const Filter filter = make_filter(*today);
-  const Deadline end = options.deadline.within(std::max(0.05, 0.5 * filter_seconds(programmed, options)));
-  const Deadline until = short_one ? with_one_plan(end) : end;
-  Toolpath path = programmed;
-  const Feeds feeds = feeds_of(task, options);
-  const double width = width_for_program(programmed, task, filter, feeds == Feeds::keep, until);
-  give_control(path, planned_control(*task.settings, width));
-  const Deadline deadline = short_one ? with_one_plan(options.deadline) : options.deadline;
-  const ProgramResult plan = run_program({result.program, std::move(path), task, feeds, deadline}, filter);
-  const double time = plan.verification.feasible ? plan.cycle_time : unlimited;
+  if (todays_filter(task) == nullptr || (!short_one && options.deadline.over())) return;
+  const Deadline width = settings_effort(programmed, options, 0.5).clock();
+  const auto whole = [&](const Deadline& end) { return short_one ? with_one_plan(end) : end; };
+  const TodaysTime today = todays_time(std::move(programmed), task, feeds_of(task, options.fixed.feeds), whole(width),
+                                       whole(options.deadline));
   // A plan that was cut short says little of the setting, unless it is the faster one.
-  if (!deadline.over() || time < result.cycle_time) result.today = time;
+  if (!today.cut || today.time < result.cycle_time) result.today = today.time;
 }
 
 /// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
 ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const Task& task,
                            const ProgramFileOptions& options) {
-  const Feeds asked = feeds_of(task, options);
+  const Feeds asked = feeds_of(task, options.fixed.feeds);
   const bool finer = asked == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
   const bool kept = asked == Feeds::choose && choice.designed && file.path.blocks() <= several_plans_max &&
                     (!options.fixed.compensate_arcs || file.path.arcs.empty());
   const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
-  const Toolpath programmed = says ? file.path : Toolpath{};
+  Toolpath programmed = says ? file.path : Toolpath{};
+  const double chords = file.reading.read.arc_tolerance;
   const bool families = choice.settings && task.settings->names_family();
   const Deadline deadline = families ? with_one_plan(options.deadline) : options.deadline;
   const auto plan = [&](ProgramFile read, Feeds feeds) {
@@ -235,7 +229,12 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   if (kept && !options.deadline.over()) offer_kept(std::move(straight), task, options, result);
   if (choice.settings) say_settings(result, choice, task);
   if (result.plan.empty() || !says) return result;
-  say_today(result, programmed, task, options);
+  if (result.reading.read.arc_tolerance != chords) {
+    ProgramFileOptions as_answered = options;
+    as_answered.arc_tolerance = result.reading.read.arc_tolerance;
+    programmed = read_program_file(result.program, task, as_answered, {}).path;
+  }
+  say_today(result, std::move(programmed), task, options);
   return result;
 }
 
@@ -271,13 +270,13 @@ ProgramResult keep_today(ProgramResult result, ProgramFilter choice, const Progr
                          const ProgramFileOptions& options) {
   const auto today = choice.settings->today;
   if (!today || result.settings->is_today || !(result.today.value_or(unlimited) < result.cycle_time)) return result;
-  const Deadline until = with_one_plan(options.deadline);
-  const bool keep = feeds_of(task, options) == Feeds::keep;
+  const bool keep = feeds_of(task, options.fixed.feeds) == Feeds::keep;
   choice.settings->chosen = *today;
   choice.filter = make_filter(today->filter), choice.plan = {};
   ProgramFile again = file;
   mark_waits(again.path, task);
-  choice.settings->width = width_for_program(again.path, task, *choice.filter, keep, until);
+  choice.settings->width = width_for_program(again.path, task, *choice.filter, keep,
+                                             settings_effort(again.path, options, 0.5).with_one_plan());
   ProgramResult kept = plan_as_read(std::move(again), choice, task, options);
   return kept.verification.feasible && kept.cycle_time < result.cycle_time ? kept : result;
 }

@@ -10,7 +10,9 @@
 #include <accdec/files.hpp>
 #include <accdec/plan/along/straight_run.hpp>
 #include <accdec/plan/free/free_motion.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
 #include <accdec/plan/run/along_plan.hpp>
+#include <accdec/plan/run/cool_motion.hpp>
 #include <accdec/plan/run/fastest_plan.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
 #include <accdec/plan/run/free_plan.hpp>
@@ -77,7 +79,7 @@ std::optional<AlongPlan> fastest_samples(const ProgramResult& profiles, std::opt
     if (std::optional<FreeSamples> samples = sampled(path, fixed->plan, profiles.sample_period)) {
       ProgramResult result = with_samples(profiles, *samples);
       // If many moves overlap, a filter may leave the tube around a leg.
-      const std::string broken = judge_free_motion(result, program_machine(task.machine, path));
+      const std::string broken = judge_trajectory(result, program_machine(task.machine, path));
       if (broken.empty() && result.cycle_time < best) return AlongPlan{std::move(result), std::move(*samples)};
     }
   }
@@ -90,7 +92,7 @@ AlongPlan if_faster(AlongPlan begun, FreeSamples samples, const ProgramResult& p
                     const char* method, const std::function<void(const std::string&)>& tell) {
   if (!(samples.position.size() < begun.samples.position.size())) return begun;
   ProgramResult result = with_samples(profiles, samples);
-  const std::string broken = judge_free_motion(result, tube.machine);
+  const std::string broken = judge_trajectory(result, tube.machine);
   if (!broken.empty() && tell) tell(std::string(method) + " were refused by the check of their samples: " + broken);
   if (!broken.empty() || !(result.cycle_time < begun.result.cycle_time)) return begun;
   result.solver.method = method;
@@ -116,7 +118,7 @@ ProgramResult shortened(const ProgramResult& profiles, AlongPlan begun, const Ma
   begun = with_fastest_legs(std::move(begun), profiles, tube, options.deadline, tell);
   const FreeReport report = shorten_motion(tube, begun.samples, options.free, options.deadline);
   ProgramResult result = with_samples(profiles, begun.samples);
-  const std::string broken = judge_free_motion(result, machine);
+  const std::string broken = judge_trajectory(result, machine);
   if (!broken.empty() && tell) tell("plan free was refused by the check of its samples: " + broken);
   if (!broken.empty() || result.cycle_time > begun.result.cycle_time)
     result = std::move(begun.result);
@@ -160,11 +162,13 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
   const auto start = std::chrono::steady_clock::now();
   options.free.tell("plan profiles");
   const double chords = file.reading.read.arc_tolerance;
-  ProgramResult profiles = plan_profiles_first(file, task, options.deadline);
+  std::optional<CoolProfiles> limits;
+  ProgramResult profiles = plan_profiles_first(file, task, options.deadline, &limits);
+  const bool rated = has_ratings(task.machine);
   // Before one filter and the bounds, which may take all the time that is left; windows need some of it, too.
   options.free.tell("motions along arcs");
   std::optional<AlongPlan> along;
-  if (!profiles.plan.empty())
+  if (!profiles.plan.empty() && !rated)
     along = plan_along(profiles, task, options.deadline.within(of_arcs * options.deadline.left()));
   // The bound is computed beside what follows.
   std::future<CornerBound> bound;
@@ -195,6 +199,10 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
     result.solver.wall_time = seconds_since(start);
     return result;
   };
+  if (rated) {
+    std::optional<ProgramResult> cool = cool_motion(file, profiles, limits, beside, task, options, tell);
+    return answer(cool ? std::move(*cool) : std::move(profiles));
+  }
   return answer(free_from(file.path, profiles, std::move(along), beside, task, options, tell));
 }
 

@@ -320,7 +320,7 @@ SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std
 
 }  // namespace
 
-std::string judge_free_motion(ProgramResult& result, const Machine& machine) {
+std::string judge_trajectory(ProgramResult& result, const Machine& machine) {
   std::string broken;
   result.errors.assign(result.plan.path.blocks(), 0.0);
   result.check = look_at(result.plan, result.sample_period, machine, result.errors, broken);

@@ -30,8 +30,9 @@ struct ProgramResultCheck {
 ProgramResultCheck verify_program_result(const ProgramResult& result, const Task& task,
                                          const std::optional<BlockFilters>& filters = std::nullopt);
 
-/// Checks every sample of a free motion as above, and that it keeps its tubes, feeds, stops and dwells (TubeCheck).
+/// Checks every sample of a trajectory as above, and that a free motion keeps its tubes, feeds, stops and dwells
+/// (TubeCheck).
 /// Fills in errors, uses of limits, times and the verdict. Empty if all holds, else what does not.
-std::string judge_free_motion(ProgramResult& result, const Machine& machine);
+std::string judge_trajectory(ProgramResult& result, const Machine& machine);
 
 }  // namespace accdec
