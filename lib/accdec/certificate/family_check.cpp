@@ -10,6 +10,7 @@
 #include <accdec/certificate/corner_feed_check.hpp>
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/family_members.hpp>
+#include <accdec/certificate/late_outlines.hpp>
 #include <accdec/certificate/member_ways.hpp>
 #include <accdec/certificate/refuted_outlines.hpp>
 #include <accdec/task/objective.hpp>
@@ -35,19 +36,18 @@ class Refutation {
         ways_(task, granted, member, limits),
         room_(room),
         stop_(stop),
-        cost_(cost_of(task)),
+        cost_(accdec::cost_of(task)),
         latency_(task.settings ? static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period))
                                : 0),
         least_(std::move(least)) {}
 
-  /// The rule that refutes it, or empty.
-  std::string rule() {
+  /// The rule that refutes it, or empty. @param late_by_errors  whether its errors are known to make it late
+  std::string rule(bool late_by_errors) {
     if (const auto limit = limits_.broken_by_legs()) return std::string(to_string(*limit));
-    if (cost_of_least() >= room_) return "delays";
-    for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-      if (!task_.corners[j].delay) least_[j] = std::max(least_[j], limits_.least_delay(granted_.corners[j]));
-      if (cost_of_least() >= room_) return "delays";
-    }
+    if (late_by_errors) return "delays";
+    between_ = least_;
+    late_by_errors_ = raised(least_, false);
+    if (late_by_errors_) return "delays";
     if (limits_.rings()) return "vibration";
     bool simulated = false;
     for (;;) {
@@ -58,21 +58,36 @@ class Refutation {
       simulated = true;
     }
   }
+  /// Whether that found its errors alone to make it late.
+  bool late_by_errors() const { return late_by_errors_; }
+  /// The same if the motion's positions between samples count, too.
+  bool late_between_samples() { return raised(between_, true); }
 
  private:
-  double cost_of_least() const {
+  /// Raises delays to those that the errors need, until these make the member late.
+  bool raised(std::vector<int>& delays, bool between) const {
+    bool makes_late = cost_of(delays) >= room_;
+    for (std::size_t j = 0; !makes_late && j < delays.size(); ++j) {
+      if (!open(j)) continue;
+      delays[j] = std::max(delays[j], limits_.least_delay(granted_.corners[j], between));
+      makes_late = cost_of(delays) >= room_;
+    }
+    return makes_late;
+  }
+
+  double cost_of(const std::vector<int>& delays) const {
     double sum = 0.0;
-    for (std::size_t j = 0; j < least_.size(); ++j) sum += cost_.delay[j] * least_samples(j);
+    for (std::size_t j = 0; j < delays.size(); ++j) sum += cost_.delay[j] * least_samples(j, delays[j]);
     return sum;
   }
 
-  /// Samples that a corner costs at least.
-  double least_samples(std::size_t j) const {
+  /// Samples that a corner costs at least. @param delay  shorter ones break its error
+  double least_samples(std::size_t j, int delay) const {
     const bool any = ways_.any_delay() || !open(j);
-    double least = any ? least_[j] : none;
-    if (!any && ways_.kind(DelayKind::continuous) && least_[j] == 0) least = 0.0;
+    double least = any ? delay : none;
+    if (!any && ways_.kind(DelayKind::continuous) && delay == 0) least = 0.0;
     if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
-    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(least_[j], latency_));
+    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(delay, latency_));
     if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
     return least;
   }
@@ -216,8 +231,10 @@ class Refutation {
   double room_;
   const std::function<bool()>& stop_;
   LinearCost cost_;
-  int latency_;             ///< samples, of an in-position check
-  std::vector<int> least_;  ///< of each corner: every shorter delay breaks its error bound
+  int latency_;               ///< samples, of an in-position check
+  std::vector<int> least_;    ///< of each corner: every shorter delay breaks its error bound
+  std::vector<int> between_;  ///< the same between samples, as far as it is known
+  bool late_by_errors_ = false;
 };
 
 /// Members of each family and rule. Rules are looked at in one order, so that each member has one.
@@ -256,9 +273,15 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
       else
         ++found->members;
     };
+    LateOutlines lates;
+    bool outlined = false, covered = false;
     const auto refuted = [&](const AveragesOutline& outline) {
       if (++looked_at % 4096 == 0 && stop && stop()) throw Rejected(late);
-      const char* const rule = outlines.rule(outline);
+      const char* rule = outlines.rule(outline);
+      if (rule == nullptr) {
+        outlined = true, covered = lates.covers(outline);
+        if (covered && outlines.legs_hold(outline)) rule = "delays";
+      }
       if (rule != nullptr) count(rule);
       return rule != nullptr;
     };
@@ -266,9 +289,12 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
       if (stop && stop()) throw Rejected(late);
       const double room = std::isinf(limit) ? none : limit - cost.filter * (m.order() + 1);
       const MemberLimits limits(granted, m, response);
-      const std::string rule = Refutation(task, granted, m, limits, least, room, stop).rule();
+      Refutation refutation(task, granted, m, limits, least, room, stop);
+      const std::string rule = refutation.rule(covered);
       if (rule.empty()) throw Rejected(fmt::format("{} are not refuted", words));
       count(rule);
+      if (outlined && refutation.late_by_errors())
+        lates.remember(lates.asks_between() && refutation.late_between_samples());
     };
     visit_family(task, family, order_end, refute, refuted);
   }
