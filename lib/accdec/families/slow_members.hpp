@@ -26,7 +26,7 @@ class SlowMembers {
   void remember(std::span<const int> lengths, const FilterSpec& spec, bool between) {
     if (!known(lengths, spec)) return;
     double& from = from_.try_emplace(key_of(lengths, spec), Froms{never, never, never})
-                      .first->second[between ? between_samples : class_of(spec)];
+                       .first->second[between ? between_samples : class_of(spec)];
     from = std::min(from, last_of(lengths, spec));
   }
 
