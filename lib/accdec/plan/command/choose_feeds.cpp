@@ -4,6 +4,7 @@
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/feeds/compensate_arcs.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/split_blocks.hpp>
 #include <accdec/simulate/command_stream.hpp>
@@ -130,16 +131,10 @@ class Scheduler {
     bool choose = true;
   };
 
-  /// The error of a joint with which a symmetric motion is as far from the legs as the contour allows, m: e sin(a/2) of
-  /// an interior angle a.
   double error_in_contour(std::size_t b) const {
     if (!(path_.contour_max < unlimited) || b + 1 == path_.blocks()) return path_.contour_max;
-    constexpr double sharpest = 1e-2;
-    const std::size_t n = feeds_.dimensions;
-    const double* u = feeds_.direction.data() + b * n;
-    double turn2 = 0.0;  // |u2 - u1|^2, that is 4 cos^2(a/2)
-    for (std::size_t a = 0; a < n; ++a) turn2 += (u[n + a] - u[a]) * (u[n + a] - u[a]);
-    return path_.contour_max / std::max(sharpest, std::sqrt(std::max(0.0, 1.0 - 0.25 * turn2)));
+    const double* u = feeds_.direction.data() + b * feeds_.dimensions;
+    return error_within_contour(path_.contour_max, u, u + feeds_.dimensions, feeds_.dimensions);
   }
 
   void choose_joints() {
