@@ -26,16 +26,17 @@ namespace {
 using test::ProgramCommand;
 using testing::HasSubstr;
 
-/// Lower feeds on the arcs take less time than delays inside them. A setting that needs them is not passed over: each is
-/// planned alone, too.
+/// Lower feeds on the arcs take less time than delays inside them. A setting that needs them is not passed over: each
+/// is planned alone, too.
 TEST_F(ProgramCommand, NoSettingIsPassedOverForDelaysThatLowerFeedsSave) {
   for (const auto& [feed, tolerance] : {std::pair(3000, 0.0003), {4000, 0.001}}) {
-    write("part.ngc", fmt::format("G21 G90 G64 P{} F{}\nG1 X10\nG3 X10 Y4 J2\nG1 X0\nG3 X0 Y8 J2\nG1 X10\nM2\n",
-                                  tolerance, feed));
+    write("part.ngc",
+          fmt::format("G21 G90 G64 P{} F{}\nG1 X10\nG3 X10 Y4 J2\nG1 X0\nG3 X0 Y8 J2\nG1 X10\nM2\n", tolerance, feed));
     const auto time = [&](const std::string& lengths) {
-      write("t.toml", "sample_period_ms = 1\n[controller]\ndelays = [\"continuous\", \"exact-stop\"]\n[design]\n"
-                      "family = \"averages\"\nstages = 1\n" +
-                          lengths + "\n[[axis]]\nacceleration_max_mm_s2 = 6000\n");
+      write("t.toml",
+            "sample_period_ms = 1\n[controller]\ndelays = [\"continuous\", \"exact-stop\"]\n[design]\n"
+            "family = \"averages\"\nstages = 1\n" +
+                lengths + "\n[[axis]]\nacceleration_max_mm_s2 = 6000\n");
       EXPECT_EQ(run("program part.ngc --task t.toml --feeds keep --json r.json").code, 0) << read("err");
       return nlohmann::json::parse(read("r.json"))["cycle_time_s"].get<double>();
     };

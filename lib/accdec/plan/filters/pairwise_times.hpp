@@ -55,8 +55,8 @@ class PairwiseTimes {
 double lost_on_curves(Toolpath path, const Filter& filter, double sample_period, const Machine& machine,
                       Effort& effort);
 
-/// What lower feeds on curves cost depends on the standard deviation of the taps alone, as long as the curves are longer
-/// than the filter. Values are found for few deviations and interpolated between them.
+/// What lower feeds on curves cost depends on the standard deviation of the taps alone, as long as the curves are
+/// longer than the filter. Values are found for few deviations and interpolated between them.
 class KnownBySpread {
  public:
   /// @param spread  > 0  @param find  the value at this one
