@@ -303,6 +303,12 @@ TEST(Settings, SurviveFiles) {
   }
 }
 
+TEST(Settings, ARestInACornerBreaksItsSmallestSpeed) {
+  const DesignResult rest = evaluate_task(
+      corner_task("speed_min_mm_s = 8.9\ndelay_samples = 30\n[filter]\nkind = \"averages\"\nlengths = [20]\n"));
+  EXPECT_THAT(rest.message, HasSubstr("speed min: 0 mm/s, which must be at least 8.9 mm/s, at k ="));
+}
+
 TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
   const DesignResult result = design_task(corner_task("[design]\nfamily = \"averages\"\nlength_max_ms = 10\n"));
   EXPECT_EQ(result.status, Status::infeasible);

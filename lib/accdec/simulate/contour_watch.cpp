@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <accdec/simulate/contour_watch.hpp>
+#include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_check.hpp>
 
 namespace accdec {
@@ -13,17 +14,21 @@ constexpr int few_halvings = 4;  // to tell where a step leaves the path, if ano
 
 }  // namespace
 
-PathContour::PathContour(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last)
-    : path_(timing.path()),
-      reach_(reach),
+PathContour::PathContour(const Toolpath& path, std::size_t first)
+    : path_(path),
       n_(path_.dimensions()),
       first_(first),
-      last_(last),
-      times_(block_times(timing, first, last)),
       low_(first),
       high_(first),
       before_(path_.point(first), path_.point(first) + n_),
       block_before_(first) {}
+
+PathContour::PathContour(const CommandTiming& timing, std::int64_t reach, std::size_t first, std::size_t last)
+    : PathContour(timing.path(), first) {
+  reach_ = reach;
+  last_ = last;
+  times_ = block_times(timing, first, last);
+}
 
 PathContour::Nearest PathContour::nearest(const double* point) const {
   Nearest found{low_, unlimited};
@@ -71,6 +76,14 @@ void PathContour::between(const double* from, const double* to, int depth) {
   between(middle.data(), to, depth + 1);
 }
 
+void PathContour::look(const double* now) {
+  const Nearest found = nearest(now);
+  note(found, now);
+  if (found.block != block_before_) between(before_.data(), now, 0);
+  std::copy_n(now, n_, before_.begin());
+  block_before_ = found.block;
+}
+
 void PathContour::look(std::int64_t number, std::int64_t count, const double* const* position) {
   std::array<double, program_axis_count> now{};
   for (std::int64_t i = 0; i < count; ++i) {
@@ -80,15 +93,20 @@ void PathContour::look(std::int64_t number, std::int64_t count, const double* co
     while (high_ < last_ && times_.begins[high_ - first_ + 1] <= k) ++high_;
     // The step to this sample begins at the one before. If the command rests, the block before it stays.
     while (low_ < high_ && times_.ends[low_ - first_] + static_cast<double>(reach_) + 1.0 < k) ++low_;
-    const Nearest found = nearest(now.data());
-    note(found, now.data());
-    if (found.block != block_before_) between(before_.data(), now.data(), 0);
-    std::copy_n(now.begin(), n_, before_.begin());
-    block_before_ = found.block;
+    look(now.data());
   }
 }
 
-void PathContour::finish(Simulation& result) const {
+void PathContour::look(std::int64_t number, const double* position, std::size_t first, std::size_t last) {
+  number_ = number;
+  // The step begins on the blocks of the sample before.
+  low_ = std::min(oldest_, first);
+  high_ = std::max(high_, last);
+  oldest_ = first;
+  look(position);
+}
+
+LimitUse PathContour::use() const {
   LimitUse use;
   use.kind = LimitKind::contour;
   use.value = worst_;
@@ -96,12 +114,44 @@ void PathContour::finish(Simulation& result) const {
   use.utilisation = worst_ <= position_floor ? 0.0 : utilisation_of(use.kind, worst_, use.bound);
   use.sample = worst_sample_;
   use.line = path_.line[worst_block_];
-  result.limits.push_back(use);
-  result.off = off_;
+  return use;
+}
+
+std::vector<Simulation::OffPath> PathContour::off() const {
+  std::vector<Simulation::OffPath> off = off_;
   const auto same = [](const Simulation::OffPath& a, const Simulation::OffPath& b) { return a.point == b.point; };
   std::ranges::sort(
-      result.off, [](const auto& a, const auto& b) { return a.point != b.point ? a.point < b.point : a.use > b.use; });
-  result.off.erase(std::unique(result.off.begin(), result.off.end(), same), result.off.end());
+      off, [](const auto& a, const auto& b) { return a.point != b.point ? a.point < b.point : a.use > b.use; });
+  off.erase(std::unique(off.begin(), off.end(), same), off.end());
+  return off;
+}
+
+void PathContour::finish(Simulation& result) const {
+  result.limits.push_back(use());
+  result.off = off();
+}
+
+PathContour contour_of(const Toolpath& path, const Trajectory& trajectory, double sample_period) {
+  PathContour contour(path);
+  std::int64_t number = 0;
+  if (trajectory.is_free()) {
+    const double* position = trajectory.free.position.data();
+    for (const std::size_t block : trajectory.free.block) {
+      contour.look(++number, position, block, block);
+      position += path.dimensions();
+    }
+    return contour;
+  }
+  ProfileMotion motion(path, trajectory.chain, sample_period, trajectory.last);
+  const auto block = [&](std::int64_t place) { return std::min(static_cast<std::size_t>(place), path.blocks() - 1); };
+  while (motion.next()) {
+    // In a corner it may be on the blocks on both sides.
+    const std::size_t first = block(motion.place_first() / 2), last = block((motion.place_last() + 1) / 2);
+    contour.look(++number, motion.position(), first, last);
+    if (const std::int64_t steady = motion.pass_steady(); steady > 0)
+      contour.look(number += steady, motion.position(), first, last);
+  }
+  return contour;
 }
 
 }  // namespace accdec

@@ -33,6 +33,12 @@ std::vector<double> tube_radii(const Toolpath& path) {
   return radius;
 }
 
+std::vector<double> allowed_off(const Toolpath& path) {
+  std::vector<double> radius = tube_radii(path);
+  for (double& most : radius) most = std::min(most, path.contour_max);
+  return radius;
+}
+
 std::vector<double> feed_limits(const Toolpath& path) {
   std::vector<double> feeds(path.blocks(), unlimited);
   for (std::size_t b = 0; b < path.blocks(); ++b) {
@@ -44,7 +50,7 @@ std::vector<double> feed_limits(const Toolpath& path) {
 TubeCheck::TubeCheck(const Toolpath& path, double sample_period)
     : path_(path),
       period_(sample_period),
-      radius_(tube_radii(path)),
+      radius_(allowed_off(path)),
       feed_(feed_limits(path)),
       before_(path.point(0), path.point(0) + path.dimensions()),
       rested_(path.blocks(), 0) {}

@@ -13,6 +13,9 @@ namespace accdec {
 /// Blocks that go straight on have one tube, by the joints at both ends of it.
 std::vector<double> tube_radii(const Toolpath& path);
 
+/// The same within Toolpath::contour_max: how far in m a sample may be off its block.
+std::vector<double> allowed_off(const Toolpath& path);
+
 /// Feed of every block in m/s; unlimited for rapid moves, which the velocity limits of axes bound.
 std::vector<double> feed_limits(const Toolpath& path);
 

@@ -81,4 +81,30 @@ std::vector<double> hold_contour(Toolpath& path, const FilterBehind& behind, dou
   return parts;
 }
 
+double error_within_contour(double contour, const double* in, const double* out, std::size_t n) {
+  constexpr double sharpest = 1e-2;
+  double turn2 = 0.0;  // |out - in|^2, that is 4 cos^2(a/2)
+  for (std::size_t a = 0; a < n; ++a) turn2 += (out[a] - in[a]) * (out[a] - in[a]);
+  return contour / std::max(sharpest, std::sqrt(std::max(0.0, 1.0 - 0.25 * turn2)));
+}
+
+Toolpath within_contour(const Toolpath& path) {
+  Toolpath within = path;
+  if (!(path.contour_max < unlimited)) return within;
+  const auto n = static_cast<Eigen::Index>(path.dimensions());
+  const auto direction = [&](std::size_t b) -> Eigen::VectorXd {
+    return (Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) -
+            Eigen::Map<const Eigen::VectorXd>(path.point(b), n))
+        .normalized();
+  };
+  Eigen::VectorXd in = direction(0), out;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b, in.swap(out)) {
+    out = direction(b + 1);
+    double& tolerance = within.tolerance[b];
+    if (path.joint[b] == Joint::stop || (path.joint[b] == Joint::straight && !(tolerance < unlimited))) continue;
+    tolerance = std::min(tolerance, error_within_contour(path.contour_max, in.data(), out.data(), path.dimensions()));
+  }
+  return within;
+}
+
 }  // namespace accdec

@@ -19,4 +19,12 @@ std::vector<double> parts_from_rest(const Toolpath& path, const FilterBehind& be
 /// those at which their radius errors are within the contour, see RadiusError.
 std::vector<double> hold_contour(Toolpath& path, const FilterBehind& behind, double sample_period);
 
+/// Largest error of a corner, m, if a symmetric motion is as far from the legs as the contour in m allows. With the
+/// interior angle a it is contour/sin(a/2). The corner of two strips as wide is as far away.
+/// @param in, out  directions of the legs, unit vectors of n values
+double error_within_contour(double contour, const double* in, const double* out, std::size_t n);
+
+/// The path with no tolerance larger than that. Without a contour, the path itself.
+Toolpath within_contour(const Toolpath& path);
+
 }  // namespace accdec

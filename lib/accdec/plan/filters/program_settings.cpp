@@ -105,6 +105,8 @@ std::string program_settings_answer(const ProgramResult& result) {
     text += "not proved best.";
   else
     text += what_was_tried(settings);
+  if (!settings.breaks.empty())
+    text += fmt::format(" At the programmed feeds it breaks {}: blocks are slowed.", settings.breaks);
   text += stops_considered(settings.control.get());
   if (settings.control != nullptr && waits_at_ends(control_of(*settings.control, 0.0)))
     text += " The control waits at the end of every block, with a turn or without: no block has two feeds.";

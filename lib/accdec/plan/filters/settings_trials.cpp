@@ -235,11 +235,13 @@ TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorou
   const ControlDelays control = planned_control(*task_.settings, guessed);
   TimedSetting best{planned(*filter, control, until), guessed};
   if (control.any() || !has_widths()) return best;
+  if (!thorough || best.samples < unlimited) return best;
+  // The longest delays, which most limits allow, come first. A plan with short ones may hold by far lower feeds.
   const int coarse = coarse_delays(*filter);
-  for (int delay = 0; thorough && !(best.samples < unlimited) && delay <= filter->order(); delay += coarse) {
-    if (effort_.over()) break;
+  for (int delay = filter->order(); delay >= 0 && !effort_.over(); delay -= coarse) {
     const double width = width_of(*filter, delay);
-    best = {planned(*filter, planned_control(*task_.settings, width), effort_.clock()), width};
+    const double samples = planned(*filter, planned_control(*task_.settings, width), effort_.clock());
+    if (samples < best.samples) best = {samples, width};
   }
   return best;
 }

@@ -43,7 +43,7 @@ class SettingsTrials {
   TimedSetting guess(const Filter& set, double any, double width) const;
 
   /// Planned with a width.
-  /// @param thorough  if this width does not do, widths of all sizes are planned
+  /// @param thorough  if this width does not do, widths of all sizes are planned, and the best of them counts
   TimedSetting plan(const Filter& set, double width, bool thorough) const;
   /// The same with the best of the widths around that of a plan.
   TimedSetting refined(const Filter& set, const TimedSetting& planned) const;

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include <accdec/machine/limits.hpp>
+#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/free/free_path.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/simulate/tube_check.hpp>
@@ -9,10 +10,10 @@
 namespace accdec {
 
 FreePath::FreePath(const Toolpath& toolpath, const Machine& limits, double sample_period)
-    : path(toolpath),
+    : path(within_contour(toolpath)),
       machine(limits),
       period(sample_period),
-      radius(tube_radii(toolpath)),
+      radius(allowed_off(path)),
       feed(feed_limits(toolpath)),
       jerk(limits_jerk(limits)) {}
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,15 +12,23 @@ namespace accdec {
 
 /// The path with its tube and the limits of the axes: a free motion must keep them.
 struct FreePath {
-  const Toolpath& path;
+  const Toolpath path;         ///< its tolerances within its contour
   const Machine& machine;      ///< as many axes as the path
   double period;               ///< s
-  std::vector<double> radius;  ///< m, of the tube around every block, see tube_radii
+  std::vector<double> radius;  ///< m, of the tube around every block, see allowed_off
   std::vector<double> feed;    ///< m/s, of every block; unlimited for rapid moves, which their axes bound
   bool jerk = false;           ///< some axis limits its jerk
   double slack = 0.0;          ///< m, by which samples that are not yet shortened may be off the tube
 
   FreePath(const Toolpath& toolpath, const Machine& limits, double sample_period);
+  /// Under a contour, the motion passes a joint where it is within the contour of both blocks. So no step from one to
+  /// the other is farther off. That place may be farther from the joint than the tube is wide.
+  bool has_contour() const { return path.contour_max < unlimited; }
+  /// Largest distance in m at which the joint at the end of a block is passed.
+  double passes_within(std::size_t joint) const {
+    const double tolerance = path.tolerance[joint];
+    return has_contour() && tolerance < unlimited ? tolerance : std::min(tolerance, radius[joint]);
+  }
   std::size_t dimensions() const { return path.dimensions(); }
   /// Samples on either side of a part that its limits see.
   std::size_t border() const { return jerk ? 3 : 2; }

@@ -34,8 +34,11 @@ bool keeps_path(const FreePath& free, const FreePart& part, std::size_t count, c
     for (std::size_t a = 0; a < n; ++a) x[a] = (1.0 - f) * before[a] + f * after[a];
     const std::size_t joint = part.first_joint + i;
     const double* const point = free.path.point(joint + 1);
-    if (!within(point, point, x.data(), std::min(free.path.tolerance[joint], free.radius[joint]) + free.slack))
-      return false;
+    if (!within(point, point, x.data(), free.passes_within(joint) + free.slack)) return false;
+    for (std::size_t b = joint; free.has_contour() && b <= joint + 1; ++b) {
+      if (!within(free.path.point(b), free.path.point(b + 1), x.data(), free.path.contour_max + free.slack))
+        return false;
+    }
   }
   return true;
 }

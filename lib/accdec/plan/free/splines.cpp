@@ -32,6 +32,7 @@ Toolpath narrowed(Toolpath path, double by) {
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (grants(path, b)) path.tolerance[b] = std::max(0.0, path.tolerance[b] - by);
   }
+  path.contour_max = std::max(0.0, path.contour_max - by);
   return path;
 }
 
@@ -87,7 +88,7 @@ SplineTube::SplineTube(const FreePath& fine, std::size_t spacing)
 bool SplineTube::has_room(const FreePart& part) const {
   double least = unlimited;
   for (std::size_t j = part.first_joint; j < part.end_joint; ++j) {
-    if (grants(fine_.path, j)) least = std::min(least, fine_.path.tolerance[j]);
+    if (grants(fine_.path, j)) least = std::min({least, fine_.path.tolerance[j], fine_.path.contour_max});
   }
   return least < unlimited && loss_ <= tolerance_share * least;
 }

@@ -133,16 +133,10 @@ class WindowProgram {
   }
 
   void add_tube() {
-    Vector a{}, b{};
     for (std::ptrdiff_t k = 0; k < size_; ++k) {
-      const std::size_t leg = leg_of(k);
-      for (std::size_t i = 0; i < n_; ++i) {
-        a[i] = free_.path.point(leg)[i] - origin_[i];
-        b[i] = free_.path.point(leg + 1)[i] - origin_[i];
-      }
       LinearPoint point;
       add(point, 0, k, 1.0);
-      program_.within(point, a.data(), b.data(), free_.radius[leg] * inside);
+      add_leg(point, leg_of(k), free_.radius[leg_of(k)]);
     }
   }
 
@@ -156,8 +150,7 @@ class WindowProgram {
   void add_pass(const WindowPass& pass) {
     const double floor = std::floor(pass.at);
     const auto k = static_cast<std::ptrdiff_t>(floor);
-    double tolerance = std::min(free_.path.tolerance[pass.joint], free_.radius[pass.joint]);
-    if (k < 0 || k + 1 >= size_) tolerance += free_.slack;
+    const double slack = k < 0 || k + 1 >= size_ ? free_.slack : 0.0;
     LinearPoint point;
     add(point, 0, k, 1.0 - (pass.at - floor));
     add(point, 1, k + 1, pass.at - floor);
@@ -168,7 +161,19 @@ class WindowProgram {
       a[i] = vertex - slide;
       b[i] = vertex + slide;
     }
-    program_.within(point, a.data(), b.data(), tolerance * inside);
+    program_.within(point, a.data(), b.data(), (free_.passes_within(pass.joint) + slack) * inside);
+    if (!free_.has_contour()) return;
+    for (const std::size_t leg : {pass.joint, pass.joint + 1}) add_leg(point, leg, free_.path.contour_max + slack);
+  }
+
+  /// A point is within a distance of a block.
+  void add_leg(const LinearPoint& point, std::size_t leg, double distance) {
+    Vector a{}, b{};
+    for (std::size_t i = 0; i < n_; ++i) {
+      a[i] = free_.path.point(leg)[i] - origin_[i];
+      b[i] = free_.path.point(leg + 1)[i] - origin_[i];
+    }
+    program_.within(point, a.data(), b.data(), distance * inside);
   }
 
   const FreePath& free_;

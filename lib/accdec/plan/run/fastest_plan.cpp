@@ -50,6 +50,15 @@ ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, con
   return profiles;
 }
 
+bool has_bounds(const Toolpath& path) {
+  if (path.blocks() > several_plans_max) return false;
+  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    if ((path.joint[b] == Joint::corner || path.joint[b] == Joint::smooth) && !(path.tolerance[b] < unlimited))
+      return false;
+  }
+  return true;
+}
+
 CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline, bool thorough) {
   const Machine machine = program_machine(task.machine, path);
   // Bounds of motions that are free take longer than those of legs, and are mostly larger.
@@ -87,12 +96,10 @@ ProgramResult faster_plan(const ProgramFile& file, const Task& task, const Progr
     throw std::invalid_argument(
         "plan profiles takes F as an upper bound and chooses the speed of every sample: only plan fixed keeps feeds");
   }
-  // For the longest programs, the search for a filter and the bound by linear programs would take longer than the plan.
-  const bool several = file.path.blocks() <= several_plans_max;
   const double chords = file.reading.read.arc_tolerance;
   ProgramResult profiles = plan_profiles_first(file, task, options.deadline);
   const bool holds = !profiles.plan.empty() && profiles.verification.feasible;
-  if (several) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
+  if (has_bounds(file.path)) profiles.corner_bound = corner_bound_of(file.path, task, options.deadline);
   const bool late = !time_for_one_filter(file.path, options.deadline);
   if (late && holds) return profiles;
   std::optional<AlongPlan> along;

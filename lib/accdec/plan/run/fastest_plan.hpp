@@ -37,8 +37,11 @@ ProgramResult plan_profiles_of(PlanningProblem problem, std::optional<CoolProfil
 ProgramResult plan_profiles_first(const ProgramFile& file, const Task& task, const Deadline& deadline,
                                   std::optional<CoolProfiles>* cool = nullptr);
 
-/// Bounds of corners, for sums of monotone legs and for any motion, whichever plan. Made for programs of up to
-/// `several_plans_max` blocks: longer ones take longer to bound than to plan.
+/// Whether bounds of corners are made: for programs of up to `several_plans_max` blocks, as longer ones take longer to
+/// bound than to plan. Bounds know no contour, so every corner needs a tolerance.
+bool has_bounds(const Toolpath& path);
+
+/// Bounds of corners, for sums of monotone legs and for any motion, whichever plan, see has_bounds.
 /// @param deadline  each bound has 15 % of what is left, 10 s if there is no limit; those cut short say so
 /// @param thorough  see any_motion_bound
 CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadline& deadline = {},

@@ -245,6 +245,7 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   ProgramResult result = plan_with_filter(std::move(file), choice, task, options);
   if (kept && !options.deadline.over()) offer_kept(std::move(straight), task, options, result);
   if (choice.settings) say_settings(result, choice, task);
+  if (result.settings && options.fixed.feeds == Feeds::keep) result.settings->breaks = breaks_at_feed(result.too_fast);
   if (result.plan.empty() || !says) return result;
   if (result.reading.read.arc_tolerance != chords) {
     ProgramFileOptions as_answered = options;

@@ -157,7 +157,7 @@ ProgramResult free_from(const Toolpath& path, const ProgramResult& profiles, std
 ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const ProgramFileOptions& options,
                             const std::function<void(const std::string&)>& tell, std::optional<ProgramResult> fixed) {
   refuse_options(file.path, options);
-  require_positions(task, file.path, "plan free");
+  require_positions(task, "plan free");
   require_free(task, file.path);
   const auto start = std::chrono::steady_clock::now();
   options.free.tell("plan profiles");
@@ -172,7 +172,7 @@ ProgramResult run_free_plan(const ProgramFile& file, const Task& task, const Pro
     along = plan_along(profiles, task, options.deadline.within(of_arcs * options.deadline.left()));
   // The bound is computed beside what follows.
   std::future<CornerBound> bound;
-  if (file.path.blocks() <= several_plans_max) {
+  if (has_bounds(file.path)) {
     const std::launch how = options.free.threads > 1 ? std::launch::async : std::launch::deferred;
     bound = std::async(how, [&] { return corner_bound_of(file.path, task, options.deadline, true); });
   }

@@ -33,13 +33,9 @@ void require_fixed(const Task& task, const Machine& machine, bool filter_bound) 
     throw std::invalid_argument("--filter-bound is for motions without a servo (servo_gain_1_s, response_taps)");
 }
 
-void require_positions(const Task& task, const Toolpath& path, const char* plan) {
+void require_positions(const Task& task, const char* plan) {
   require_no_response(task.machine, plan, considered_by_fixed);
   require_no_shared_loads(task.machine, plan, considered_by_fixed);
-  if (path.contour_max < unlimited)
-    throw RefusedKey(
-        fmt::format("{} does not consider `contour_max_um` of [program]; leave it out, or use --plan fixed", plan),
-        {"contour_max_um"});
   if (!task.settings || (!task.settings->names_family() && !limits_taps(*task.settings))) return;
   throw RefusedKey(
       fmt::format("{} gives every sample a position, and the task's control has one filter for the whole program "

@@ -21,21 +21,12 @@ namespace {
 constexpr std::array<std::pair<PlanKind, std::string_view>, 3> plan_kinds{
     {{PlanKind::fixed, "fixed"}, {PlanKind::profiles, "profiles"}, {PlanKind::free, "free"}}};
 
-/// Whether bounds of any motion are known. Behind a servo there are none: they are of motions, and the time of the plan
-/// is that of the command. They know no contour, so every corner needs a tolerance.
-bool has_bounds(const Toolpath& path, const Machine& machine) {
-  if (path.blocks() > several_plans_max || has_servo(program_machine(machine, path))) return false;
-  for (std::size_t b = 0; b + 1 < path.blocks(); ++b)
-    if ((path.joint[b] == Joint::corner || path.joint[b] == Joint::smooth) && !(path.tolerance[b] < unlimited))
-      return false;
-  return true;
-}
-
 /// Plan fixed with the bounds of any motion.
 ProgramResult fixed_with_bounds(ProgramFile file, const Task& task, const ProgramFileOptions& options,
                                 const std::function<void(const std::string&)>& tell) {
   const double chords = file.reading.read.arc_tolerance;
-  const bool bounded = has_bounds(file.path, task.machine);
+  // Behind a servo there are no bounds: they are of motions, and the time of the plan is that of the command.
+  const bool bounded = has_bounds(file.path) && !has_servo(program_machine(task.machine, file.path));
   const Toolpath path = bounded ? file.path : Toolpath{};
   // The plan, which might take all the time, leaves a part of it.
   constexpr double part_of_plan = 0.75;

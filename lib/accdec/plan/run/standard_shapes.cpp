@@ -25,7 +25,7 @@ constexpr double cooling_trials = 40.0;  // plans simulated while one shape is c
 constexpr double first_length = 0.03;    // s, of the first Hann filter
 constexpr double coarse = 1.5;           // from each length to the next
 constexpr int losses_max = 3;            // in a row, before longer or shorter ones are left out
-constexpr int mending_rounds = 12;          // of mending chosen feeds
+constexpr int mending_rounds = 12;       // of mending chosen feeds
 constexpr int breaks_max = 3;            // plans of chosen feeds that do not hold, before none is made any more
 
 class Shapes {
@@ -125,8 +125,7 @@ class Shapes {
       if (cool_drives(plan, filter, task_.sample_period, machine_, check, deadline_, cooling_trials) != Cooled::failed)
         time = static_cast<double>(plan.plan.simulation.samples) * task_.sample_period;
     }
-    if (tell_ && time < unlimited)
-      tell_(fmt::format("{}: {} taps, {:.4f} s simulated", name, set.order() + 1, time));
+    if (tell_ && time < unlimited) tell_(fmt::format("{}: {} taps, {:.4f} s simulated", name, set.order() + 1, time));
     return time;
   }
 
@@ -154,8 +153,8 @@ class Shapes {
   const Deadline& deadline_;
   const std::function<void(const std::string&)>& tell_;
   TrialSearch averages_;
-  std::map<int, double> times_;  // s, of Hann filters by their orders
-  int hann_ = 0;                 // order of the best; 0: none holds
+  std::map<int, double> times_;             // s, of Hann filters by their orders
+  int hann_ = 0;                            // order of the best; 0: none holds
   int chosen_hold_ = 0, chosen_broke_ = 0;  // plans of chosen feeds
   double work_ = 0.0;
 };

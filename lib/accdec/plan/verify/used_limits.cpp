@@ -21,14 +21,7 @@ class MovedAxis {
   double velocity(std::size_t k) const { return velocity_[k]; }
   double acceleration(std::size_t k) const { return (velocity_[k] - (k > 0 ? velocity_[k - 1] : 0.0)) / period_; }
   double jerk(std::size_t k) const { return (acceleration(k) - (k > 0 ? acceleration(k - 1) : 0.0)) / period_; }
-  /// N. Dry friction is against the motion. An axis that moves less than positions can tell stands still, and its
-  /// friction takes what it can of the force.
-  double force(std::size_t k) const {
-    const double moving = axis_.mass * acceleration(k) + axis_.damping * velocity(k), dry = axis_.coulomb;
-    if (velocity(k) * period_ > position_floor) return moving + dry;
-    if (velocity(k) * period_ < -position_floor) return moving - dry;
-    return moving > 0.0 ? std::max(0.0, moving - dry) : std::min(0.0, moving + dry);
-  }
+  double force(std::size_t k) const { return force_of(axis_, velocity(k), acceleration(k), period_); }
   double value(LimitKind kind, std::size_t k) const {
     switch (kind) {
       case LimitKind::velocity: return std::abs(velocity(k));
@@ -56,6 +49,13 @@ class MovedAxis {
 };
 
 }  // namespace
+
+double force_of(const Axis& axis, double velocity, double acceleration, double period) {
+  const double moving = axis.mass * acceleration + axis.damping * velocity, dry = axis.coulomb;
+  if (velocity * period > position_floor) return moving + dry;
+  if (velocity * period < -position_floor) return moving - dry;
+  return moving > 0.0 ? std::max(0.0, moving - dry) : std::min(0.0, moving + dry);
+}
 
 /// The planner grants `position_floor`, and rounds as much otherwise.
 double UseOfLimit::floor() const {

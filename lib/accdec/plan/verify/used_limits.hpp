@@ -39,6 +39,9 @@ class UseOfLimit {
   std::function<double(std::size_t)> value_;
 };
 
+/// Force of an axis, N. Dry friction is against the motion. An axis that moves less than positions can tell stands
+/// still, and its friction takes what it can of the force.
+double force_of(const Axis& axis, double velocity, double acceleration, double period);
 /// The use of a limit by one axis. References are kept.
 UseOfLimit use_of_axis(const DirectMotion& motion, const Axis& axis, std::size_t a, LimitKind kind, double period);
 /// Root mean square of the force of an axis over the program, N, rests included.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -13,34 +14,18 @@
 namespace accdec {
 namespace {
 
-using Place = std::array<double, program_axis_count>;
+using Place = ProgramPoint;
 
-/// Distances of a motion from the blocks that act on it.
+/// Distances from the nearest of some blocks.
 class OffBlocks {
  public:
-  OffBlocks(const DirectMotion& motion, const Toolpath& path, int order) : motion_(motion), path_(path) {
-    // A window ends a filter's length after the command leaves its joint.
-    std::int64_t begins = 0;
-    for (std::size_t b = 0; b < path.blocks(); ++b) {
-      const bool last = b + 1 == path.blocks();
-      const std::int64_t ends = last ? std::ssize(motion.position.front()) : motion.windows[b].first + order + 1;
-      acts_.emplace_back(begins, ends);
-      if (!last) begins = motion.windows[b].last - order - 1;
-    }
-  }
+  OffBlocks(const Toolpath& path, std::span<const std::size_t> near) : path_(path), near_(near) {}
 
-  /// The largest distance on the step to a sample, m.
-  double on_step(std::size_t k) {
-    const auto at = static_cast<std::int64_t>(k);
-    near_.clear();
-    // Blocks begin and end in their order.
-    const auto first = std::ranges::partition_point(acts_, [&](const auto& act) { return act.second < at; });
-    for (auto act = first; act != acts_.end() && act->first <= at; ++act)
-      near_.push_back(static_cast<std::size_t>(act - acts_.begin()));
-    if (near_.empty()) near_.push_back(static_cast<std::size_t>(first - acts_.begin()) - 1);  // in a long rest
-    const Place to = place(k), from = place(k > 0 ? k - 1 : 0);
-    auto [worst, block] = off(to);
-    auto [before, block_before] = off(from);
+  /// The largest on a step, m.
+  double on_step(const Place& from, const Place& to) const {
+    const auto [after, block] = off(to);
+    auto [worst, block_before] = off(from);
+    worst = std::max(worst, after);
     if (block == block_before) return worst;
     constexpr int parts = 64;
     double done = 0.0;
@@ -55,11 +40,6 @@ class OffBlocks {
   }
 
  private:
-  Place place(std::size_t k) const {
-    Place at{};
-    for (std::size_t a = 0; a < path_.dimensions(); ++a) at[a] = motion_.position[a][k];
-    return at;
-  }
   static Place between(const Place& from, const Place& to, double part) {
     Place at{};
     for (std::size_t a = 0; a < at.size(); ++a) at[a] = from[a] + part * (to[a] - from[a]);
@@ -92,6 +72,43 @@ class OffBlocks {
       (off_block(at, one) < off_block(at, other) ? low : high) = middle;
     }
     return between(from, to, low);
+  }
+
+  const Toolpath& path_;
+  std::span<const std::size_t> near_;
+};
+
+/// Distances of a motion from the blocks that act on it.
+class OffActing {
+ public:
+  OffActing(const DirectMotion& motion, const Toolpath& path, int order) : motion_(motion), path_(path) {
+    // A window ends a filter's length after the command leaves its joint.
+    std::int64_t begins = 0;
+    for (std::size_t b = 0; b < path.blocks(); ++b) {
+      const bool last = b + 1 == path.blocks();
+      const std::int64_t ends = last ? std::ssize(motion.position.front()) : motion.windows[b].first + order + 1;
+      acts_.emplace_back(begins, ends);
+      if (!last) begins = motion.windows[b].last - order - 1;
+    }
+  }
+
+  /// The largest on the step to a sample, m.
+  double on_step(std::size_t k) {
+    const auto at = static_cast<std::int64_t>(k);
+    near_.clear();
+    // Blocks begin and end in their order.
+    const auto first = std::ranges::partition_point(acts_, [&](const auto& act) { return act.second < at; });
+    for (auto act = first; act != acts_.end() && act->first <= at; ++act)
+      near_.push_back(static_cast<std::size_t>(act - acts_.begin()));
+    if (near_.empty()) near_.push_back(static_cast<std::size_t>(first - acts_.begin()) - 1);  // in a long rest
+    return OffBlocks(path_, near_).on_step(place(k > 0 ? k - 1 : 0), place(k));
+  }
+
+ private:
+  Place place(std::size_t k) const {
+    Place at{};
+    for (std::size_t a = 0; a < path_.dimensions(); ++a) at[a] = motion_.position[a][k];
+    return at;
   }
 
   const DirectMotion& motion_;
@@ -182,9 +199,16 @@ std::map<std::uint32_t, double> off_legs(const DirectMotion& motion, const Toolp
   return most;
 }
 
+double off_blocks(const Toolpath& path, std::size_t first, std::size_t last, const ProgramPoint& from,
+                  const ProgramPoint& to) {
+  std::vector<std::size_t> near;
+  for (std::size_t b = first; b <= last; ++b) near.push_back(b);
+  return OffBlocks(path, near).on_step(from, to);
+}
+
 UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order) {
   return {LimitKind::contour, path.contour_max, motion,
-          [off = OffBlocks(motion, path, order)](std::size_t k) mutable { return off.on_step(k); }};
+          [off = OffActing(motion, path, order)](std::size_t k) mutable { return off.on_step(k); }};
 }
 
 UseOfLimit use_of_mode(const DirectMotion& command, const Toolpath& path, double period, std::span<const int> delays,

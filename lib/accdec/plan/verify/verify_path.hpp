@@ -15,6 +15,10 @@ namespace accdec {
 /// @param order  of the longest filter of the motion
 UseOfLimit use_of_contour(const DirectMotion& motion, const Toolpath& path, int order);
 
+/// The largest distance in m of a step from the nearest of blocks first .. last.
+double off_blocks(const Toolpath& path, std::size_t first, std::size_t last, const ProgramPoint& from,
+                  const ProgramPoint& to);
+
 /// The largest distances of a motion from the lines of straight legs, m, by the line of the program that the leg begins
 /// in: LegError says which samples count. @param order  of the longest filter of the motion  @param felt  as far as
 /// legs before are felt

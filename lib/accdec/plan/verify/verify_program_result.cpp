@@ -12,11 +12,13 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/report/left_at_rest.hpp>
 #include <accdec/plan/verify/judge_program.hpp>
+#include <accdec/plan/verify/own_trajectory.hpp>
 #include <accdec/plan/verify/used_limits.hpp>
 #include <accdec/plan/verify/verify_delay_kinds.hpp>
 #include <accdec/plan/verify/verify_path.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
 #include <accdec/simulate/arc_points.hpp>
+#include <accdec/simulate/contour_watch.hpp>
 #include <accdec/simulate/direct.hpp>
 #include <accdec/simulate/profile_motion.hpp>
 #include <accdec/simulate/sample_check.hpp>
@@ -302,11 +304,16 @@ SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std
   const Toolpath& path = plan.path;
   const Trajectory& trajectory = *plan.trajectory();
   SampleChecker checker(path, machine, period, errors, {});
+  const auto finish = [&] {
+    SampleCheck check = checker.finish();
+    if (path.contour_max < unlimited) check.limits.push_back(contour_of(path, trajectory, period).use());
+    return check;
+  };
   if (!trajectory.is_free()) {
     ProfileMotion motion(path, trajectory.chain, period, trajectory.last);
     for (; motion.next(); checker.pass(motion.pass_steady(), motion.position()))
       checker.look(motion.position(), motion.place_first(), motion.place_last());
-    return checker.finish();
+    return finish();
   }
   TubeCheck tube(path, period);
   for (std::size_t k = 0; k < trajectory.free.block.size(); ++k) {
@@ -316,7 +323,7 @@ SampleCheck look_at(const Plan& plan, double period, const Machine& machine, std
     tube.look(position, block);
   }
   broken = tube.finish();
-  return checker.finish();
+  return finish();
 }
 
 }  // namespace
@@ -331,6 +338,30 @@ std::string judge_trajectory(ProgramResult& result, const Machine& machine) {
 }
 
 namespace {
+
+/// The contour and the ratings again, by other formulas.
+void compare_own(const ProgramResult& found, const Machine& machine, std::vector<std::string>& reasons) {
+  const OwnTrajectory own = own_trajectory(found.plan, found.sample_period, machine);
+  const auto wrong = [&](const std::string& what, double made, double value) {
+    reasons.push_back(fmt::format("{} is {:.9g}, by the formulas of the planner {:.9g}", what, value, made));
+  };
+  for (const LimitUse& use : found.check.limits) {
+    if (use.kind != LimitKind::contour) continue;
+    const double floor = rounding * use.bound + 2.0 * position_floor;
+    if (!close(use.value, own.contour, floor)) wrong("contour", use.value, own.contour);
+    if (own.contour > use.bound + floor)
+      reasons.push_back(fmt::format("contour {:.9g} m exceeds its bound {:.9g} m", own.contour, use.bound));
+  }
+  for (std::size_t a = 0; a < machine.axes.size(); ++a) {
+    const double rating = machine.axes[a].force_rms_max, rms = own.rms[a];
+    const std::string name = "root mean square of the force " + found.plan.path.axis_name(a);
+    for (const AxisLoad& load : found.loads) {
+      if (load.axis == found.plan.path.axis_name(a) && !close(load.rms, rms, rounding)) wrong(name, load.rms, rms);
+    }
+    if (rms > rating * (1.0 + rounding))
+      reasons.push_back(fmt::format("{} is {:.9g} N, above its rating {:.9g} N", name, rms, rating));
+  }
+}
 
 ProgramResultCheck check_trajectory(const ProgramResult& result, const Task& task) {
   const Toolpath& path = result.plan.path;
@@ -351,6 +382,7 @@ ProgramResultCheck check_trajectory(const ProgramResult& result, const Task& tas
   }
   if (!found.message.empty()) report.reasons.push_back(found.message);
   if (!broken.empty()) report.reasons.push_back(broken);
+  if (report.reasons.empty()) compare_own(found, machine, report.reasons);
   report.accepted = report.reasons.empty();
   report.shown = fmt::format("{} samples of {} moves made again, {:.6g} s: all bounds hold", found.check.samples,
                              path.blocks(), found.cycle_time);
