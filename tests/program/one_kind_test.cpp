@@ -54,5 +54,27 @@ TEST_F(ProgramCommand, AControlOfOneKindHasNoOther) {
   }
 }
 
+/// Every turn reverses x. One average has a constant acceleration v / (n T), so that two of them overlap by a sample or
+/// more after each wait of at most N = n - 1 samples. No wait holds above v_x = a n T / 2, and that of N holds there.
+/// A wider width holds, too, at a sixth of that feed: the whole error of a short wait is within the tolerance.
+TEST_F(ProgramCommand, AnInPositionWidthIsChosenBesideTheFeedThatItAllows) {
+  const int legs = 20, length = 41;
+  const double step = 30.0, acceleration = 6000.0;
+  std::string part = "G21 G90 G64 P0.15 F20000\n";
+  for (int i = 1; i <= legs; ++i) part += fmt::format("G1 X{} Y{}\n", i % 2 == 0 ? 0.0 : step, step * i);
+  write("part.ngc", part + "M2\n");
+  write("t.toml", fmt::format("sample_period_ms = 1\n[controller]\ndelays = \"in-position\"\n[filter]\n"
+                              "kind = \"averages\"\nlengths = [{}]\n[[axis]]\nacceleration_max_mm_s2 = {}\n",
+                              length, acceleration));
+  ASSERT_EQ(run("program part.ngc --task t.toml --json r.json").code, 0) << read("err");
+  const nlohmann::json record = nlohmann::json::parse(read("r.json"));
+  const double period = 1e-3, along = step / (0.5 * acceleration * length * period), wait = (length - 1) * period;
+  // A leg may end a sample later, and the feed is found to 0.1 %.
+  const double at_longest_wait = legs * (1.001 * along + period) + (legs - 1) * wait + length * period;
+  EXPECT_LE(record["cycle_time_s"].get<double>(), at_longest_wait);
+  EXPECT_GE(record["cycle_time_s"].get<double>(), legs * along);
+  EXPECT_EQ(run("verify r.json").code, 0);
+}
+
 }  // namespace
 }  // namespace accdec

@@ -169,6 +169,12 @@ TEST_F(ProgramCommand, ATodayThatBreaksALimitAtTheProgrammedFeedsIsNamedAndNothi
   verified = run("verify forged.json");
   EXPECT_EQ(verified.code, 1);
   EXPECT_THAT(verified.out, HasSubstr("today_breaks is recorded as"));
+  // With averages of at most 4 and 4 ms every setting does: 12.5 times the bound.
+  std::string small = read("t.toml");
+  write("s.toml", small.replace(small.find("= 40"), 4, "= 6"));
+  ASSERT_EQ(run("program part.ngc --task s.toml --feeds keep --json s.json").code, 0) << read("err");
+  EXPECT_THAT(read("out"), HasSubstr(" At the programmed feeds it breaks jerk x in line 2: blocks are slowed."));
+  EXPECT_EQ(run("verify s.json").code, 0);
   // Feeds that may be chosen are lowered for every setting alike.
   ASSERT_EQ(run("program part.ngc --task t.toml --json r.json").code, 0) << read("err");
   EXPECT_THAT(read("out"), HasSubstr("retuning saves"));

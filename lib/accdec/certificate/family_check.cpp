@@ -10,6 +10,7 @@
 #include <accdec/certificate/corner_feed_check.hpp>
 #include <accdec/certificate/family_check.hpp>
 #include <accdec/certificate/family_members.hpp>
+#include <accdec/certificate/late_outlines.hpp>
 #include <accdec/certificate/member_ways.hpp>
 #include <accdec/certificate/refuted_outlines.hpp>
 #include <accdec/task/objective.hpp>
@@ -20,6 +21,53 @@ namespace {
 
 constexpr const char* late = "it could not be checked in the time allowed";
 constexpr double none = std::numeric_limits<double>::infinity();
+
+/// The least that a member costs by the errors of its corners.
+class CostOfErrors {
+ public:
+  CostOfErrors(const Task& task, const Task& granted, const MemberLimits& limits, const Ways& ways)
+      : task_(task), granted_(granted), limits_(limits), ways_(ways), cost_(cost_of(task)) {
+    if (task.settings)
+      latency_ = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
+  }
+
+  int latency() const { return latency_; }  ///< samples, of an in-position check
+  /// Raises delays to those that the errors need, until they cost as much as the room. @return whether they do
+  bool raise(std::vector<int>& delays, double room, bool between) const {
+    bool dear = least(delays) >= room;
+    for (std::size_t j = 0; !dear && j < delays.size(); ++j) {
+      if (task_.corners[j].delay) continue;
+      delays[j] = std::max(delays[j], limits_.least_delay(granted_.corners[j], between));
+      dear = least(delays) >= room;
+    }
+    return dear;
+  }
+
+ private:
+  double least(const std::vector<int>& delays) const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < delays.size(); ++j) sum += cost_.delay[j] * least_samples(j, delays[j]);
+    return sum;
+  }
+
+  /// Samples that a corner costs at least. @param delay  shorter ones break its error
+  double least_samples(std::size_t j, int delay) const {
+    const bool any = ways_.any_delay() || task_.corners[j].delay;
+    double least = any ? delay : none;
+    if (!any && ways_.kind(DelayKind::continuous) && delay == 0) least = 0.0;
+    if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
+    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(delay, latency_));
+    if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
+    return least;
+  }
+
+  const Task& task_;
+  const Task& granted_;
+  const MemberLimits& limits_;
+  const Ways& ways_;
+  LinearCost cost_;
+  int latency_ = 0;
+};
 
 /// Refutes one member.
 class Refutation {
@@ -36,18 +84,16 @@ class Refutation {
         room_(room),
         stop_(stop),
         cost_(cost_of(task)),
-        latency_(task.settings ? static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period))
-                               : 0),
+        errors_(task, granted, limits, ways_),
         least_(std::move(least)) {}
 
-  /// The rule that refutes it, or empty.
-  std::string rule() {
+  /// The rule that refutes it, or empty. @param late_by_errors  whether its errors are known to make it late
+  std::string rule(bool late_by_errors) {
     if (const auto limit = limits_.broken_by_legs()) return std::string(to_string(*limit));
-    if (cost_of_least() >= room_) return "delays";
-    for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-      if (!task_.corners[j].delay) least_[j] = std::max(least_[j], limits_.least_delay(granted_.corners[j]));
-      if (cost_of_least() >= room_) return "delays";
-    }
+    if (late_by_errors) return "delays";
+    between_ = least_;
+    late_by_errors_ = errors_.raise(least_, room_, false);
+    if (late_by_errors_) return "delays";
     if (limits_.rings()) return "vibration";
     bool simulated = false;
     for (;;) {
@@ -58,25 +104,12 @@ class Refutation {
       simulated = true;
     }
   }
+  /// Whether that found its errors alone to make it late.
+  bool late_by_errors() const { return late_by_errors_; }
+  /// The same if the motion's positions between samples count, too.
+  bool late_between_samples() { return errors_.raise(between_, room_, true); }
 
  private:
-  double cost_of_least() const {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < least_.size(); ++j) sum += cost_.delay[j] * least_samples(j);
-    return sum;
-  }
-
-  /// Samples that a corner costs at least.
-  double least_samples(std::size_t j) const {
-    const bool any = ways_.any_delay() || !open(j);
-    double least = any ? least_[j] : none;
-    if (!any && ways_.kind(DelayKind::continuous) && least_[j] == 0) least = 0.0;
-    if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
-    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(least_[j], latency_));
-    if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
-    return least;
-  }
-
   /// The cheapest way without a width; -1: none.
   int plain_way(std::size_t j) {
     const int delay = plain_delay(j, least_[j], room_);
@@ -140,7 +173,7 @@ class Refutation {
     const std::vector<double>& left = limits_.way_watched();
     const double way = way_of(j);
     const auto waits = [&](double to_go) { return way * to_go > width; };
-    return latency_ + static_cast<int>(std::partition_point(left.begin(), left.end(), waits) - left.begin());
+    return errors_.latency() + static_cast<int>(std::partition_point(left.begin(), left.end(), waits) - left.begin());
   }
   bool open(std::size_t j) const { return !task_.corners[j].delay; }
   /// Whether this width gives any corner a delay whose error may hold.
@@ -216,8 +249,10 @@ class Refutation {
   double room_;
   const std::function<bool()>& stop_;
   LinearCost cost_;
-  int latency_;             ///< samples, of an in-position check
-  std::vector<int> least_;  ///< of each corner: every shorter delay breaks its error bound
+  CostOfErrors errors_;
+  std::vector<int> least_;    ///< of each corner: every shorter delay breaks its error bound
+  std::vector<int> between_;  ///< the same between samples, as far as it is known
+  bool late_by_errors_ = false;
 };
 
 /// Members of each family and rule. Rules are looked at in one order, so that each member has one.
@@ -256,9 +291,15 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
       else
         ++found->members;
     };
+    LateOutlines lates;
+    bool outlined = false, covered = false;
     const auto refuted = [&](const AveragesOutline& outline) {
       if (++looked_at % 4096 == 0 && stop && stop()) throw Rejected(late);
-      const char* const rule = outlines.rule(outline);
+      const char* rule = outlines.rule(outline);
+      if (rule == nullptr) {
+        outlined = true, covered = lates.covers(outline);
+        if (covered && outlines.legs_hold(outline)) rule = "delays";
+      }
       if (rule != nullptr) count(rule);
       return rule != nullptr;
     };
@@ -266,9 +307,12 @@ std::vector<proof::RefutedMembers> refute_members(const Task& task, double targe
       if (stop && stop()) throw Rejected(late);
       const double room = std::isinf(limit) ? none : limit - cost.filter * (m.order() + 1);
       const MemberLimits limits(granted, m, response);
-      const std::string rule = Refutation(task, granted, m, limits, least, room, stop).rule();
+      Refutation refutation(task, granted, m, limits, least, room, stop);
+      const std::string rule = refutation.rule(covered);
       if (rule.empty()) throw Rejected(fmt::format("{} are not refuted", words));
       count(rule);
+      if (outlined && refutation.late_by_errors())
+        lates.remember(lates.asks_between() && refutation.late_between_samples());
     };
     visit_family(task, family, order_end, refute, refuted);
   }

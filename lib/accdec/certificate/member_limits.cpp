@@ -113,6 +113,15 @@ FamilyMember behind(const FamilyMember& member, const std::vector<double>& respo
 
 }  // namespace
 
+bool surely_holds(const Axis& axis, double speed, double acceleration, double step, double period) {
+  constexpr double below = 1.0 - 1e-9;
+  const double mass_force = axis.mass * acceleration, force = mass_force + axis.damping * speed + axis.coulomb;
+  return axis.force_speed_max >= unlimited && speed <= below * axis.velocity_max &&
+         acceleration <= below * axis.acceleration_max && step <= below * axis.jerk_max * period &&
+         force <= below * axis.force_max && force * speed <= below * axis.power_max &&
+         mass_force * speed <= below * axis.regeneration_max;
+}
+
 /// The steepness that bounds a member's acceleration and jerk at any speed.
 struct MemberLimits::Steepness {
   double tap = 0.0, step = 0.0;  ///< the largest tap, and the largest difference of neighbours
@@ -136,10 +145,7 @@ struct MemberLimits::Steepness {
     return surely_holds(axis, faster, in * out < 0.0 ? both : faster, both, period);
   }
   bool surely_holds(const Axis& axis, double speed, double speed_of_taps, double speed_of_steps, double period) const {
-    constexpr double below = 1.0 - 1e-9;
-    return std::min({axis.force_max, axis.power_max, axis.regeneration_max, axis.force_speed_max}) >= unlimited &&
-           speed <= below * axis.velocity_max && speed_of_taps * tap <= below * axis.acceleration_max * period &&
-           speed_of_steps * step <= below * axis.jerk_max * period * period;
+    return accdec::surely_holds(axis, speed, speed_of_taps * tap / period, speed_of_steps * step / period, period);
   }
 };
 
@@ -323,14 +329,16 @@ bool MemberLimits::broken_by_corner_feed(const TaskCorner& corner, double part) 
 }
 
 /// At this delay and all shorter ones.
-bool MemberLimits::too_far(const TaskCorner& corner, int delay) const {
+bool MemberLimits::too_far(const TaskCorner& corner, int delay, bool between) const {
   const FamilyMember& moved = motion();
   const Corner& g = corner.geometry();
   const double period = granted_.sample_period, cosine = g.cos_interior();
   const double allowed = *corner.error_max * *corner.error_max * (1.0 + 1e-9);
+  const int more = between ? 1 : 0;
   // Over a range of samples, leg 1 is at least as far away as at its end and leg 2 as at its beginning.
   const auto all_far = [&](const auto& self, int first, int last) -> bool {
-    double p = g.feed_in * period * at(moved.way_left, last), q = g.feed_out * period * way_gone(moved, first - delay);
+    double p = g.feed_in * period * at(moved.way_left, last + more),
+           q = g.feed_out * period * way_gone(moved, first - delay);
     // The nearest, if one is farther along its leg.
     q = std::max(q, -p * cosine);
     p = std::max(p, -q * cosine);
@@ -342,9 +350,9 @@ bool MemberLimits::too_far(const TaskCorner& corner, int delay) const {
   return all_far(all_far, 0, moved.order() + delay + 2);
 }
 
-int MemberLimits::least_delay(const TaskCorner& corner) const {
+int MemberLimits::least_delay(const TaskCorner& corner, bool between) const {
   if (!corner.error_max) return 0;
-  return first_near(longest_delay(), [&](int delay) { return too_far(corner, delay); });
+  return first_near(longest_delay(), [&](int delay) { return too_far(corner, delay, between); });
 }
 
 int least_delay_behind(const CheckedResponse& response, const TaskCorner& corner, double period) {

@@ -42,7 +42,8 @@ class MemberLimits {
   bool broken_by_corner_feed(const TaskCorner& corner, double part) const;
   /// A delay below which the corner's error is too large. At every shorter delay, leg 2 is at least as far away sample
   /// by sample. The nearest of all such positions therefore bounds the error of them all.
-  int least_delay(const TaskCorner& corner) const;
+  /// @param between  the motion's positions between samples count, too
+  int least_delay(const TaskCorner& corner, bool between = false) const;
 
  private:
   const FamilyMember& command() const { return command_ ? *command_ : member_; }
@@ -54,7 +55,7 @@ class MemberLimits {
   bool legs_hold_together(const Steepness& steep) const;
   std::optional<LimitKind> broken_by_leg(const Steepness& steep, const Axis& axis, double in, double out) const;
   double left(double frequency, double damping) const;
-  bool too_far(const TaskCorner& corner, int delay) const;
+  bool too_far(const TaskCorner& corner, int delay, bool between) const;
 
   const Task& granted_;
   const FamilyMember& member_;
@@ -64,6 +65,11 @@ class MemberLimits {
   mutable std::shared_ptr<const Steepness> steepness_;
   mutable std::optional<FamilyMember> motion_;  ///< behind the servo, where it is given: made when it is asked for
 };
+
+/// Whether an axis keeps all its limits at all speeds and accelerations up to these, by more than rounding. Unknown
+/// with a curve of force over speed.
+/// @param speed  m/s  @param acceleration  m/s^2  @param step  m/s^2, from sample to sample
+bool surely_holds(const Axis& axis, double speed, double acceleration, double step, double period);
 
 /// A delay below which the corner's error is too large behind this response, whatever non-negative taps come before it.
 /// The ways p and q behind the response are convex over time. By Jensen's inequality, those behind taps as well are at

@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include <accdec/certificate/member_limits.hpp>
 #include <accdec/certificate/refuted_outlines.hpp>
 #include <accdec/machine/limits.hpp>
 
@@ -22,18 +23,22 @@ double left_behind(const std::vector<double>& taps, std::complex<double> turn) {
 }  // namespace
 
 RefutedOutlines::RefutedOutlines(const Task& granted, const CheckedResponse& response, int order_end)
-    : tap_max_(std::numeric_limits<double>::infinity()), step_max_(tap_max_) {
-  const double period = granted.sample_period;
+    : period_(granted.sample_period), tap_max_(std::numeric_limits<double>::infinity()), step_max_(tap_max_) {
+  const double period = period_;
   // Behind a smoothing taps and their differences are smaller.
   const bool smoothed = response.smoothing().size() > 1;
-  for (const TaskCorner& corner : granted.corners) {
-    const Corner& g = corner.geometry();
-    for (std::size_t x = 0; x < granted.machine.axes.size() && !smoothed; ++x) {
+  for (std::size_t x = 0; x < granted.machine.axes.size(); ++x) {
+    const Axis& axis = granted.machine.axes[x];
+    double speed = 0.0;
+    for (const TaskCorner& corner : granted.corners) {
+      const Corner& g = corner.geometry();
       const auto e = static_cast<Eigen::Index>(x);
-      const double speed = std::max(std::abs(g.feed_in * g.direction_in[e]), std::abs(g.feed_out * g.direction_out[e]));
-      tap_max_ = std::min(tap_max_, granted.machine.axes[x].acceleration_max * period / speed);
-      step_max_ = std::min(step_max_, granted.machine.axes[x].jerk_max * period * period / speed);
+      speed = std::max({speed, std::abs(g.feed_in * g.direction_in[e]), std::abs(g.feed_out * g.direction_out[e])});
     }
+    legs_.push_back({&axis, speed});
+    if (smoothed) continue;
+    tap_max_ = std::min(tap_max_, axis.acceleration_max * period / speed);
+    step_max_ = std::min(step_max_, axis.jerk_max * period * period / speed);
   }
   constexpr int steps = 8, ratios = 2;
   for (const Mode& mode : granted.machine.modes) {
@@ -56,23 +61,59 @@ RefutedOutlines::RefutedOutlines(const Task& granted, const CheckedResponse& res
   }
 }
 
-const char* RefutedOutlines::rule(const AveragesOutline& outline) const {
-  int longest = 1, second = 1, order = 0;
-  double all = 1.0;
-  for (const int length : outline.lengths) {
-    order += length - 1, all *= length;
-    second = std::max(second, std::min(longest, length));
-    longest = std::max(longest, length);
+namespace {
+
+/// Lengths and weights of an outline.
+struct Extent {
+  int longest = 1, second = 1, order = 0;  ///< samples, of the averages
+  double weight = 0.0;                     ///< of all impulses
+
+  explicit Extent(const AveragesOutline& outline) {
+    for (const int length : outline.lengths) {
+      order += length - 1;
+      second = std::max(second, std::min(longest, length));
+      longest = std::max(longest, length);
+    }
+    for (const auto& [at, w] : outline.impulses) weight += w;
   }
-  double weight = 0.0, largest = 0.0;
-  for (const auto& [at, w] : outline.impulses) weight += w, largest = std::max(largest, w);
-  const bool plateau = longest > order - (longest - 1);
-  if (largest / weight / (plateau ? longest : order + 1) > tap_max_ * surely) return "acceleration";
-  const int third = order - (longest - 1) - (second - 1);  // samples until the others have passed their largest tap
-  const bool alone = outline.impulses.size() < 2 || static_cast<int>(outline.impulses[1].first) > third;
-  const double two = static_cast<double>(longest) * second;
-  if (outline.impulses.front().second / weight / (alone ? two : all) > step_max_ * surely) return "jerk";
-  return rings(outline, weight) ? "vibration" : nullptr;
+  /// Samples until the third average has passed its largest tap.
+  int third() const { return order - (longest - 1) - (second - 1); }
+};
+
+/// The weight of the impulses up to so many samples behind one of them, that one included.
+double weight_within(const AveragesOutline& outline, std::size_t from, int samples) {
+  double sum = 0.0;
+  for (std::size_t i = from; i < outline.impulses.size(); ++i) {
+    const auto apart = static_cast<int>(outline.impulses[i].first - outline.impulses[from].first);
+    if (i == from || apart <= samples) sum += outline.impulses[i].second;
+  }
+  return sum;
+}
+
+}  // namespace
+
+const char* RefutedOutlines::rule(const AveragesOutline& outline) const {
+  const Extent all(outline);
+  double largest = 0.0;
+  for (const auto& [at, w] : outline.impulses) largest = std::max(largest, w);
+  const bool plateau = all.longest > all.order - (all.longest - 1);
+  if (largest / all.weight / (plateau ? all.longest : all.order + 1) > tap_max_ * surely) return "acceleration";
+  const int unchanged = all.second - 1 - all.third();  // samples later, by the third average
+  const double step = weight_within(outline, 0, unchanged) / all.weight / all.longest / all.second;
+  if (step > step_max_ * surely) return "jerk";
+  return rings(outline, all.weight) ? "vibration" : nullptr;
+}
+
+bool RefutedOutlines::legs_hold(const AveragesOutline& outline) const {
+  const Extent all(outline);
+  double most = 0.0;
+  for (std::size_t i = 0; i < outline.impulses.size(); ++i)
+    most = std::max(most, weight_within(outline, i, all.second - 1));
+  const double tap = 1.0 / all.longest, step = most / all.weight / all.longest / all.second;
+  return std::all_of(legs_.begin(), legs_.end(), [&](const FastestLeg& leg) {
+    const double acceleration = leg.speed * tap / period_;
+    return surely_holds(*leg.axis, leg.speed, acceleration, leg.speed * step / period_, period_);
+  });
 }
 
 bool RefutedOutlines::rings(const AveragesOutline& outline, double weight) const {

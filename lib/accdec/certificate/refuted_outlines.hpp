@@ -15,9 +15,10 @@ namespace accdec {
 /// those that need them.
 ///  * Some tap is at least the largest impulse's weight times the largest tap of the averages. This tap is 1 over the
 ///    longest average, if that one is as long as the others in series. Otherwise it is at least 1 over their number.
-///  * Neighbouring taps differ by at least the first impulse's weight over the product of the two longest averages. The
-///    difference of an average of length a is 1/a at its first sample, and then nothing until a samples later. By then
-///    the others have passed their largest tap. This holds if the second impulse comes later.
+///  * Neighbouring taps of the averages differ by 1 over the product of the two longest ones, a >= b: the difference of
+///    an average of length a is 1/a at its first sample, and then nothing until a samples later. Behind the third one,
+///    of length c, this lasts from sample c - 1 to b - 1. At sample b - 1 the first impulse's part is added to that of
+///    all impulses up to b - c samples later.
 ///  * The rest of a vibration is a product, one factor for each average and one for the impulses.
 class RefutedOutlines {
  public:
@@ -27,6 +28,9 @@ class RefutedOutlines {
 
   /// The limit that is broken; null: none is seen.
   const char* rule(const AveragesOutline& outline) const;
+  /// Whether every start and stop surely holds the limits. No tap is larger than 1 over the longest average. No two
+  /// neighbours differ by more than the impulses within the second longest, over the product of both.
+  bool legs_hold(const AveragesOutline& outline) const;
 
  private:
   /// A frequency with a damping ratio: its turn from sample to sample, and what it leaves behind averages by length.
@@ -37,7 +41,13 @@ class RefutedOutlines {
   };
   bool rings(const AveragesOutline& outline, double weight) const;
 
-  double tap_max_, step_max_;  ///< more breaks an acceleration or a jerk
+  struct FastestLeg {
+    const Axis* axis;
+    double speed;
+  };
+  double period_;
+  std::vector<FastestLeg> legs_;  ///< of each axis
+  double tap_max_, step_max_;     ///< more breaks an acceleration or a jerk
   std::vector<Line> lines_;
 };
 

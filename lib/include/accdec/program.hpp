@@ -96,6 +96,7 @@ struct ProgramSettings {
   bool is_today = false;                  ///< the task's own setting is the fastest
   std::optional<double> search_limit{};   ///< s, that ended the search; none: complete, or the caller's time ended it
   std::optional<ChosenSettings> today{};  ///< the task's own setting; none: it names none that can be set
+  std::string breaks{};                   ///< as `today_breaks`, of these: blocks are slowed for it
   std::string today_not_had{};            ///< a sentence: why the control has no such setting; empty: it has
   /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
   /// more than `several_plans_max` blocks, or after the deadline.

@@ -66,6 +66,7 @@ Json program_settings_to_json(const ProgramResult& result) {
     json["complete"] = settings.complete;
     if (settings.search_limit) json["search_limit_s"] = *settings.search_limit;
   }
+  if (!settings.breaks.empty()) json["breaks"] = settings.breaks;
   if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
   if (result.today) json["today_s"] = program_today_json(result);
   if (!result.today_breaks.empty()) json["today_breaks"] = result.today_breaks;
@@ -98,6 +99,7 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
     settings.chosen.values.push_back({value["name"].text(), value["value"].number(), value["unit"].text()});
   read_impulses(result.sample_period, settings.chosen);
   settings.chosen.width = width_of(json);
+  if (json.has("breaks")) settings.breaks = json["breaks"].text();
   if (json.has("free_taps_s")) settings.free_taps = json["free_taps_s"].number();
   read_program_today(json, result);
   if (json.has("delays")) {

@@ -15,6 +15,15 @@ Feeds feeds_of(const Task& task, Feeds asked) {
   return task.settings && waits_at_ends(control_of(*task.settings, 0.0)) ? Feeds::keep : asked;
 }
 
+std::string breaks_at_feed(const std::vector<SlowedFeeds>& too_fast) {
+  const auto slowest = std::ranges::min_element(too_fast, {}, &SlowedFeeds::factor);
+  if (slowest == too_fast.end()) return "";
+  // Lower feeds keep all that a delay of the control breaks.
+  std::string limit = slowest->limit;
+  if (limit.starts_with("all limits")) limit.replace(0, 10, "a limit");
+  return fmt::format("{} in line {}", limit, slowest->line);
+}
+
 TodaysTime todays_time(Toolpath path, const Task& task, Feeds asked, const Deadline& width, const Deadline& plan) {
   const Feeds feeds = feeds_of(task, asked);
   const Filter filter = make_filter(*todays_filter(task));
@@ -26,15 +35,8 @@ TodaysTime todays_time(Toolpath path, const Task& task, Feeds asked, const Deadl
   const ProgramResult planned = run_program({"", std::move(path), task, feeds, plan}, filter);
   TodaysTime today{.cut = plan.over() || effort.ended_by_clock()};
   if (!planned.verification.feasible) return today;
-  const auto slowest = std::ranges::min_element(planned.too_fast, {}, &SlowedFeeds::factor);
-  if (asked != Feeds::keep || slowest == planned.too_fast.end()) {
-    today.time = planned.cycle_time;
-    return today;
-  }
-  // Lower feeds keep all that a delay of the control breaks.
-  std::string limit = slowest->limit;
-  if (limit.starts_with("all limits")) limit.replace(0, 10, "a limit");
-  today.breaks = fmt::format("{} in line {}", limit, slowest->line);
+  if (asked == Feeds::keep) today.breaks = breaks_at_feed(planned.too_fast);
+  if (today.breaks.empty()) today.time = planned.cycle_time;
   return today;
 }
 

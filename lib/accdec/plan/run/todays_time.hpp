@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <accdec/program.hpp>
 
@@ -8,6 +9,9 @@ namespace accdec {
 
 /// Those asked for. A control that waits at the end of every block has one feed a block.
 Feeds feeds_of(const Task& task, Feeds asked);
+
+/// "jerk x in line 3": what the block slowed most breaks at its programmed feed; empty if none is slowed for a limit.
+std::string breaks_at_feed(const std::vector<SlowedFeeds>& too_fast);
 
 /// A program with today's setting of its task's control.
 struct TodaysTime {
