@@ -8,6 +8,7 @@
 
 #include <accdec/certificate.hpp>
 #include <accdec/design.hpp>
+#include <accdec/design/supply_start.hpp>
 #include <accdec/verify.hpp>
 
 #include "support/tasks.hpp"
@@ -180,6 +181,29 @@ TEST(Loads, ASharedSupplyHoldsAndSaysWhatIsNotProved) {
     EXPECT_EQ(result.status, Status::feasible);
     EXPECT_THAT(result.message, HasSubstr("supply"));
     ASSERT_TRUE(result.lower_bound);
+  }
+}
+
+/// One axis alone takes all that a leg along it takes. So starts and stops are those of its own bound, and the design
+/// with a shared supply is hardly longer than the proved one with that bound.
+TEST(Loads, ASharedSupplyIsAsFastAsThatOfAnAxis) {
+  Axis axis;
+  axis.mass = 34.0, axis.damping = 40.0, axis.force_max = 465.0;
+  Task alone = plane_task(axis, plane_corner("A", 120.0, 0.0, 0.4, 0.4), 150e-6);
+  for (const double period : {2e-3, 1e-3}) {
+    SCOPED_TRACE(period);
+    alone.sample_period = period;
+    Task shared = alone;
+    shared.machine.regeneration_total_max = 70.0;
+    for (Axis& each : alone.machine.axes) each.regeneration_max = 70.0;
+    const DesignResult proved = designed(alone, 60.0);
+    ASSERT_EQ(proved.status, Status::optimal);
+    for (Axis& each : shared.machine.axes) each.regeneration_max = unlimited;
+    const auto found = supply_start(shared, {}, 60.0);
+    ASSERT_TRUE(found);
+    expect_held(shared, *found);
+    EXPECT_TRUE(verify_result(*found).accepted);
+    EXPECT_LT(found->objective(), 1.03 * proved.objective());
   }
 }
 

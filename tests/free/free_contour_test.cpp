@@ -116,7 +116,7 @@ TEST(FreeContour, IsRefusedWhereItIsBroken) {
   EXPECT_THAT(verify_program_result(profiles, task).reasons, testing::Contains(testing::HasSubstr("contour")));
 }
 
-/// A leg of 20 mm from rest to rest at 0.2 m/s with 2 m/s^2: ramps of n = 200 samples. Samples of a constant
+/// A leg of 40 mm from rest to rest at 0.2 m/s with 2 m/s^2: ramps of n = 200 samples. Samples of a constant
 /// acceleration a have second differences a, and a/2 at both ends. The squares of a ramp are those of n - 1/2 samples.
 TEST(FreeContour, RatingsAreThoseOfAClosedForm) {
   Task task = task_of({}, unlimited);

@@ -14,6 +14,7 @@
 #include <accdec/design/merged_result.hpp>
 #include <accdec/design/smoothed_bound.hpp>
 #include <accdec/design/standard_shapes.hpp>
+#include <accdec/design/supply_start.hpp>
 #include <accdec/exact/exact_run.hpp>
 #include <accdec/exact/size.hpp>
 #include <accdec/family.hpp>
@@ -76,12 +77,15 @@ class Anytime {
   DesignResult run_in_part() {
     exact_ = DesignResult();
     const bool ideal = Response(task_.machine, task_.sample_period).ideal();
-    // Bounds of the order do not see a shared supply. A shape does, and the local solvers need many times as long for
-    // many taps.
+    // Bounds of the order do not see a shared supply. A first design does, and the local solvers need many times as
+    // long for many taps.
     const bool supply = limits_supply(task_.machine);
     if (!supply) coarse(0.1);
-    shapes(ideal ? 0.1 : 0.4);
-    if (supply) coarse(0.4, best_ ? best_->filter->order() : 0);
+    if (auto start = supply_start(task_, options_, std::min(0.3 * options_.time_limit, left())))
+      offer_design(std::move(*start));
+    else
+      shapes(ideal ? 0.1 : 0.4);
+    if (supply) coarse(0.3, best_ ? best_->filter->order() : 0);
     linear_part(0.2);
     const bool finished = bound_of_part(covered_part(filter_with_smoothing(task_)), ideal ? 0.4 : 0.6);
     judge();

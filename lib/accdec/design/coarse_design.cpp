@@ -15,11 +15,17 @@
 namespace accdec {
 namespace {
 
-/// Least number of taps of the designs at the long period; a third more are usual.
-constexpr int coarse_taps = 24;
+/// Least number of taps of the designs at the long period; a third more are usual. With more taps less is lost between
+/// the periods, most where braking gives power back, but they may take too long.
+constexpr int coarse_taps = 24, more_taps = 48;
 
-/// By which whole number the period is lengthened; 1 if not at all.
-int longer_period(const Task& task, int known_order) {
+bool bounds_regeneration(const Machine& machine) {
+  return machine.regeneration_total_max < unlimited ||
+         std::ranges::any_of(machine.axes, [](const Axis& axis) { return axis.regeneration_max < unlimited; });
+}
+
+/// By which whole number the period is lengthened for so many taps; 1 if not at all.
+int longer_period(const Task& task, int known_order, int taps) {
   const bool measured =
       !task.machine.prefilter_taps.empty() ||
       std::ranges::any_of(task.machine.axes, [](const Axis& axis) { return !axis.response_taps.empty(); });
@@ -28,7 +34,7 @@ int longer_period(const Task& task, int known_order) {
   constexpr double free_taps = 0.7;
   const int most = task.design.order_max, guess = static_cast<int>(free_taps * known_order);
   const int least = std::min(most, std::max(guess, order_lower_bound(task, most)));
-  return least < 4 * coarse_taps ? 1 : least / coarse_taps;
+  return least < 4 * taps ? 1 : least / taps;
 }
 
 Task at_longer_period(Task task, int times) {
@@ -73,11 +79,8 @@ bool holds_alone(const Task& task, const Filter& filter) {
   return verify_by_simulation(first, filter, {last + 2}).feasible;
 }
 
-}  // namespace
-
-std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions& options, double seconds,
-                                          int known_order) {
-  const int times = longer_period(task, known_order);
+std::optional<DesignResult> from_longer_period(const Task& task, const DesignOptions& options, double seconds,
+                                               int times) {
   if (times == 1) return std::nullopt;
   const auto began = std::chrono::steady_clock::now();
   DesignOptions coarse_options = options;
@@ -95,7 +98,7 @@ std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions&
   double least = unlimited;
   // An average of a long period keeps the jerk at any period: it comes first, as time may end the search.
   for (const int average : {times, 2 * times, times / 2, times / 4, 1}) {
-    for (const double stretch : {0.96, 0.98, 1.0, 1.01, 1.02, 1.03, 1.04, 1.06, 1.08, 1.1, 1.15, 1.2}) {
+    for (const double stretch : {0.96, 0.98, 1.0, 1.01, 1.02, 1.03, 1.04, 1.06, 1.08, 1.1, 1.15, 1.2, 1.3}) {
       const Filter filter = finer(*coarse.filter, times * stretch, std::max(1, average));
       if (stop() || filter.order() > task.design.order_max) break;
       if (!holds_alone(task, filter)) continue;
@@ -110,6 +113,18 @@ std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions&
   if (!result.has_design()) return std::nullopt;
   result.solver.method = "exact", result.solver.name = "longer period", result.solver.version = "accdec";
   return result;
+}
+
+}  // namespace
+
+std::optional<DesignResult> coarse_design(const Task& task, const DesignOptions& options, double seconds,
+                                          int known_order) {
+  const auto began = std::chrono::steady_clock::now();
+  auto best = from_longer_period(task, options, 0.6 * seconds, longer_period(task, known_order, coarse_taps));
+  const double left = seconds - seconds_since(began);
+  if ((best && !bounds_regeneration(task.machine)) || left <= 0.0) return best;
+  auto closer = from_longer_period(task, options, left, longer_period(task, known_order, more_taps));
+  return closer && (!best || closer->objective() < best->objective()) ? closer : best;
 }
 
 }  // namespace accdec
