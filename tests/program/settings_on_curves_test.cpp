@@ -26,16 +26,17 @@ namespace {
 using test::ProgramCommand;
 using testing::HasSubstr;
 
-/// Lower feeds on the arcs take less time than delays inside them. A setting that needs them is not passed over: each is
-/// planned alone, too.
+/// Lower feeds on the arcs take less time than delays inside them. A setting that needs them is not passed over: each
+/// is planned alone, too.
 TEST_F(ProgramCommand, NoSettingIsPassedOverForDelaysThatLowerFeedsSave) {
   for (const auto& [feed, tolerance] : {std::pair(3000, 0.0003), {4000, 0.001}}) {
-    write("part.ngc", fmt::format("G21 G90 G64 P{} F{}\nG1 X10\nG3 X10 Y4 J2\nG1 X0\nG3 X0 Y8 J2\nG1 X10\nM2\n",
-                                  tolerance, feed));
+    write("part.ngc",
+          fmt::format("G21 G90 G64 P{} F{}\nG1 X10\nG3 X10 Y4 J2\nG1 X0\nG3 X0 Y8 J2\nG1 X10\nM2\n", tolerance, feed));
     const auto time = [&](const std::string& lengths) {
-      write("t.toml", "sample_period_ms = 1\n[controller]\ndelays = [\"continuous\", \"exact-stop\"]\n[design]\n"
-                      "family = \"averages\"\nstages = 1\n" +
-                          lengths + "\n[[axis]]\nacceleration_max_mm_s2 = 6000\n");
+      write("t.toml",
+            "sample_period_ms = 1\n[controller]\ndelays = [\"continuous\", \"exact-stop\"]\n[design]\n"
+            "family = \"averages\"\nstages = 1\n" +
+                lengths + "\n[[axis]]\nacceleration_max_mm_s2 = 6000\n");
       EXPECT_EQ(run("program part.ngc --task t.toml --feeds keep --json r.json").code, 0) << read("err");
       return nlohmann::json::parse(read("r.json"))["cycle_time_s"].get<double>();
     };
@@ -73,11 +74,13 @@ TEST(KnownBySpread, InterpolatesBetweenNearDeviations) {
   int found = 0;
   const auto of = [&](double value) { return [&found, value] { return ++found, value; }; };
   EXPECT_EQ(known.at(16.0, of(3.0)), 3.0);
-  EXPECT_EQ(known.at(16.5, of(5.0)), 5.0);
-  EXPECT_EQ(known.at(16.25, of(0.0)), 4.0);
-  EXPECT_EQ(known.at(16.5, of(0.0)), 5.0);
-  EXPECT_EQ(known.at(17.5, of(9.0)), 9.0);
-  EXPECT_EQ(known.at(17.0, of(8.0)), 8.0);  // 16.5 and 17.5 are further apart than 5 %
+  EXPECT_EQ(known.at(17.5, of(5.0)), 5.0);
+  EXPECT_EQ(known.at(16.75, of(0.0)), 4.0);
+  EXPECT_EQ(known.at(17.5, of(0.0)), 5.0);
+  EXPECT_EQ(known.at(20.0, of(9.0)), 9.0);
+  EXPECT_EQ(known.least(15.0), 0.0);
+  EXPECT_EQ(known.least(19.0), 5.0);
+  EXPECT_EQ(known.at(18.5, of(8.0)), 8.0);  // 17.5 and 20 are further apart than 10 %
   EXPECT_EQ(found, 4);
 }
 
