@@ -74,11 +74,13 @@ TEST(KnownBySpread, InterpolatesBetweenNearDeviations) {
   int found = 0;
   const auto of = [&](double value) { return [&found, value] { return ++found, value; }; };
   EXPECT_EQ(known.at(16.0, of(3.0)), 3.0);
-  EXPECT_EQ(known.at(16.5, of(5.0)), 5.0);
-  EXPECT_EQ(known.at(16.25, of(0.0)), 4.0);
-  EXPECT_EQ(known.at(16.5, of(0.0)), 5.0);
-  EXPECT_EQ(known.at(17.5, of(9.0)), 9.0);
-  EXPECT_EQ(known.at(17.0, of(8.0)), 8.0);  // 16.5 and 17.5 are further apart than 5 %
+  EXPECT_EQ(known.at(17.5, of(5.0)), 5.0);
+  EXPECT_EQ(known.at(16.75, of(0.0)), 4.0);
+  EXPECT_EQ(known.at(17.5, of(0.0)), 5.0);
+  EXPECT_EQ(known.at(20.0, of(9.0)), 9.0);
+  EXPECT_EQ(known.least(15.0), 0.0);
+  EXPECT_EQ(known.least(19.0), 5.0);
+  EXPECT_EQ(known.at(18.5, of(8.0)), 8.0);  // 17.5 and 20 are further apart than 10 %
   EXPECT_EQ(found, 4);
 }
 

@@ -76,6 +76,10 @@ TEST(ProgramAnswer, NamesSmallPartsByTheirFirstDigit) {
   settings.chosen = {.family = SettingFamily::averages, .values = {{"", 9.0, "ms"}}};
   settings.free_taps = 65.746;
   EXPECT_THAT(program_settings_answer(result), HasSubstr("would take 65.746 s (0.04 % less) or less."));
+  settings.free_taps_limit = 10.0;
+  EXPECT_THAT(program_settings_answer(result), HasSubstr("or less, as found in a search of at most 10 s."));
+  settings.free_taps = 65.772;
+  EXPECT_THAT(program_settings_answer(result), HasSubstr("no faster plan was found in a search of at most 10 s."));
 }
 
 /// A search without --time-limit has a limit of its own. Half of --time-limit goes to a search.

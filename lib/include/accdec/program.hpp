@@ -101,6 +101,7 @@ struct ProgramSettings {
   /// s, of the fastest plan found with free taps and delays of any number of samples. None is looked for in programs of
   /// more than `several_plans_max` blocks, or after the deadline.
   std::optional<double> free_taps{};
+  std::optional<double> free_taps_limit{};              ///< s, by the clock, that the search for these taps had at most
   std::shared_ptr<const ControllerSettings> control{};  ///< whose they are; null: not known
 };
 

@@ -105,8 +105,13 @@ double lost_on_curves(Toolpath path, const Filter& filter, double sample_period,
   return (seconds(slow) - seconds(path.duration)) / sample_period;
 }
 
+double KnownBySpread::least(double spread) const {
+  const auto above = known_.upper_bound(spread);
+  return above == known_.begin() ? 0.0 : std::prev(above)->second;
+}
+
 double KnownBySpread::at(double spread, const std::function<double()>& find) {
-  constexpr double apart = 1.05;
+  constexpr double apart = 1.1;
   const auto above = known_.lower_bound(spread);
   if (above != known_.end() && above->first == spread) return above->second;
   if (above != known_.end() && above != known_.begin()) {

@@ -28,7 +28,7 @@ class PairwiseTimes {
 
   /// With delays of any number of samples.
   double any() const { return any_; }
-  /// The same with lower feeds in place of the delays inside legs. Where limits lower feeds, too, only the longer loss
+  /// The same with lower feeds in place of the delays inside legs. If limits lower feeds, too, only the longer loss
   /// counts.
   /// @param lost  samples, see lost_on_curves
   double any_slowed(double lost) const { return any_ - on_curves_ + std::max(0.0, lost - by_limits_); }
@@ -55,12 +55,14 @@ class PairwiseTimes {
 double lost_on_curves(Toolpath path, const Filter& filter, double sample_period, const Machine& machine,
                       Effort& effort);
 
-/// What lower feeds on curves cost depends on the standard deviation of the taps alone, as long as the curves are
-/// longer than the filter. Values are found for few deviations and interpolated between them.
+/// The time that lower feeds on curves cost depends on the standard deviation of the taps alone, if the curves are
+/// longer than the filter. It grows with it. Values are found for few deviations and interpolated between them.
 class KnownBySpread {
  public:
   /// @param spread  > 0  @param find  the value at this one
   double at(double spread, const std::function<double()>& find);
+  /// The value of the largest known deviation up to this one; 0 if there is none.
+  double least(double spread) const;
 
  private:
   std::map<double, double> known_;

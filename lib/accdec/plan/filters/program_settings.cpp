@@ -36,8 +36,11 @@ std::string what_was_tried(const ProgramSettings& settings) {
 std::string beside_free_taps(const ProgramSettings& settings, double time) {
   const double free = *settings.free_taps, less = time - free;
   const std::string taps = free_taps_in_words(settings.control.get());
-  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found.", taps);
-  return fmt::format(" {} would take {:.6g} s ({} less) or less.", taps, free, percent_in_words(less / time));
+  const std::string until =
+      settings.free_taps_limit ? fmt::format(" in a search of at most {:.3g} s", *settings.free_taps_limit) : "";
+  if (!(less > 1e-9 * time)) return fmt::format(" {}: no faster plan was found{}.", taps, until);
+  return fmt::format(" {} would take {:.6g} s ({} less) or less{}.", taps, free, percent_in_words(less / time),
+                     until.empty() ? "" : ", as found" + until);
 }
 
 std::string beside_today(const ProgramResult& result) {

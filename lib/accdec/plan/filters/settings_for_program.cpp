@@ -28,9 +28,10 @@ class MemberGuesses {
   explicit MemberGuesses(const SettingsTrials& trials) : trials_(trials) {}
 
   /// Samples, with delays of any number of samples.
-  double any(const SettableMember& member) {
+  /// @param enough  more may be returned as any such number, also later
+  double any(const SettableMember& member, double enough = unlimited) {
     const auto [at, fresh] = any_.try_emplace(member.key(), unlimited);
-    if (fresh) at->second = trials_.any(make_filter(member.spec));
+    if (fresh) at->second = trials_.any(make_filter(member.spec), enough);
     return at->second;
   }
 
@@ -208,7 +209,8 @@ class MemberSearch {
 
   /// Whether it would not be better with any delays.
   bool hopeless(const SettableMember& member) {
-    return trials_.least(member.order()) >= time_.samples || (!late() && guesses_.any(member) >= time_.samples);
+    return trials_.least(member.order()) >= time_.samples ||
+           (!late() && guesses_.any(member, time_.samples) >= time_.samples);
   }
 
   /// Whether its guess is better than the best plan.

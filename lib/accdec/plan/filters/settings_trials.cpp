@@ -111,19 +111,21 @@ int SettingsTrials::delay_at(const Filter& filter, double width) const {
   return delay;
 }
 
-double SettingsTrials::any(const Filter& set) const {
+double SettingsTrials::any(const Filter& set, double enough) const {
   const std::optional<Filter> filter = command(set);
   if (!filter) return unlimited;
   const double chosen = keep_ ? unlimited : scheduled(*filter, {});
-  return guesses_kept() ? std::min(chosen, kept(*filter)) : chosen;
+  return guesses_kept() ? std::min(chosen, kept(*filter, enough)) : chosen;
 }
 
-double SettingsTrials::kept(const Filter& filter) const {
+double SettingsTrials::kept(const Filter& filter, double enough) const {
   const PairwiseTimes times(path_, filter, task_.sample_period, machine_, effort_, false);
   if (!times.curves_delayed()) return times.any();
   // Lower feeds on curves may take less time than delays.
+  const double spread = std::sqrt(tap_variance(filter)), least = times.any_slowed(lost_.least(spread));
+  if (least >= enough) return std::min(times.any(), least);
   const auto lost = [&] { return lost_on_curves(path_, filter, task_.sample_period, machine_, effort_); };
-  return std::min(times.any(), times.any_slowed(lost_.at(std::sqrt(tap_variance(filter)), lost)));
+  return std::min(times.any(), times.any_slowed(lost_.at(spread, lost)));
 }
 
 TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) const {

@@ -37,7 +37,8 @@ class SettingsTrials {
   /// Samples guessed, with delays of any number of samples. At the programmed feeds every corner is by itself; else it
   /// is the first schedule of chosen feeds. A plan also mends what is broken where moves overlap. That takes longer,
   /// and makes the program slower.
-  double any(const Filter& set) const;
+  /// @param enough  more may be returned as any such number
+  double any(const Filter& set, double enough = unlimited) const;
   /// The same with the delays of the control, at the width that suits it best.
   /// @param any    of the same filter
   /// @param width  m, near which it is looked for; 0: all widths are
@@ -52,7 +53,8 @@ class SettingsTrials {
  private:
   double planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const;
   double scheduled(const Filter& filter, const ControlDelays& control) const;
-  double kept(const Filter& filter) const;  ///< samples guessed at the programmed feeds, with any delays
+  /// `any` at the programmed feeds.
+  double kept(const Filter& filter, double enough) const;
   /// The filter of the command, behind the control's own smoothing; none if it excites a mode too much.
   std::optional<Filter> command(const Filter& set) const;
   bool has_widths() const;

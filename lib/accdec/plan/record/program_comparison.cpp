@@ -340,6 +340,7 @@ ProgramDifferences program_differences(std::string_view text, const ProgramRecor
     for (const char* name : {"members", "tried", "guessed", "complete", "free_taps_s"})
       differences.skipped.push_back(std::string("settings.") + name);
     if (!record.result.settings->breaks.empty()) differences.skipped.emplace_back("settings.breaks");
+    if (record.result.settings->free_taps_limit) differences.skipped.emplace_back("settings.free_taps_limit_s");
     if (record.result.settings->search_limit) differences.skipped.emplace_back("settings.search_limit_s");
   }
   return differences;

@@ -68,6 +68,7 @@ Json program_settings_to_json(const ProgramResult& result) {
   }
   if (!settings.breaks.empty()) json["breaks"] = settings.breaks;
   if (settings.free_taps) json["free_taps_s"] = *settings.free_taps;
+  if (settings.free_taps_limit) json["free_taps_limit_s"] = *settings.free_taps_limit;
   if (result.today) json["today_s"] = program_today_json(result);
   if (!result.today_breaks.empty()) json["today_breaks"] = result.today_breaks;
   if (!settings.chosen.delays.empty() && result.plan.path.blocks() <= recorded_blocks_max) {
@@ -101,6 +102,7 @@ void read_program_settings(const Value& json, const Task& task, ProgramResult& r
   settings.chosen.width = width_of(json);
   if (json.has("breaks")) settings.breaks = json["breaks"].text();
   if (json.has("free_taps_s")) settings.free_taps = json["free_taps_s"].number();
+  if (json.has("free_taps_limit_s")) settings.free_taps_limit = json["free_taps_limit_s"].number();
   read_program_today(json, result);
   if (json.has("delays")) {
     for (const Value& word : json["delays"].elements()) {

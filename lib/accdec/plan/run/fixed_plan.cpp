@@ -256,16 +256,21 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   return result;
 }
 
+/// s, for a filter of free taps to compare with.
+double free_taps_seconds(const Toolpath& path, const ProgramFileOptions& options) {
+  constexpr double longest = 10.0;
+  return std::min(longest, options.time_limit ? 0.5 * *options.time_limit : filter_seconds(path, options));
+}
+
 /// The time of the program with delays of any number of samples: as a task without a control plans it, or with the
 /// taps of the settings, whichever is faster.
 std::optional<double> time_of_free_taps(const ProgramResult& result, const ProgramFile& file, const Task& task,
                                         const ProgramFileOptions& options) {
-  constexpr double longest = 10.0;  // s, for the filter
   constexpr double with_plans = 5.0;
   Task any = task;
   any.settings.reset(), any.filter.reset();
   ProgramFileOptions bounded = options;
-  const double seconds = std::min(longest, filter_seconds(file.path, options));
+  const double seconds = std::min(free_taps_seconds(file.path, options), filter_seconds(file.path, options));
   bounded.time_limit = 2.0 * seconds;
   bounded.deadline = options.deadline.within(std::min(with_plans * seconds, options.deadline.left()));
   std::optional<double> best;
@@ -363,8 +368,10 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
   const bool settings = choice.settings && compared;
   ProgramResult result = faster_of(plan_as_read(std::move(file), choice, task, options), std::move(shaped));
   if (settings && !result.plan.empty()) result = keep_today(std::move(result), choice, read, task, options);
-  if (settings && !result.plan.empty() && !options.deadline.over())
+  if (settings && !result.plan.empty() && !options.deadline.over()) {
     result.settings->free_taps = time_of_free_taps(result, read, task, options);
+    if (result.settings->free_taps) result.settings->free_taps_limit = free_taps_seconds(read.path, options);
+  }
   return result;
 }
 
