@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/motion/least_held.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/limited_repair.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
@@ -13,6 +15,7 @@
 #include <accdec/plan/feeds/curve_feeds.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
+#include <accdec/plan/filters/width_choices.hpp>
 #include <accdec/simulate/command_stream.hpp>
 #include <accdec/verify.hpp>
 
@@ -40,9 +43,31 @@ double work_of_pairs(const Toolpath& path) {
   return 2e-5 + 6e-7 * static_cast<double>(path.blocks());
 }
 
-/// Samples, between delays that are tried first.
-int coarse_delays(const Filter& filter) {
-  return std::max(1, filter.order() / 8);
+double work_of_widths(const std::vector<WidthChoice>& widths) {
+  return 1e-7 * static_cast<double>(widths.size());
+}
+
+/// Widths, between those that are tried first.
+int coarse_step(const std::vector<WidthChoice>& widths) {
+  return std::max(1, static_cast<int>(widths.size()) / 8);
+}
+
+/// The same, for those that are tried last where feeds are chosen: thresholds of programmed feeds are none of them.
+int finest_step(const std::vector<WidthChoice>& widths, const Filter& filter) {
+  return std::max(1, static_cast<int>(widths.size()) / std::max(1, 4 * filter.order()));
+}
+
+/// The widest with the fewest samples; null: none has a time.
+const WidthChoice* best_of(const std::vector<WidthChoice>& widths) {
+  const auto best = std::ranges::min_element(widths, {}, &WidthChoice::samples);
+  return best != widths.end() && best->samples < unlimited ? &*best : nullptr;
+}
+
+/// The last that is no narrower.
+int nearest_to(const std::vector<WidthChoice>& widths, double width) {
+  const auto narrower =
+      std::ranges::find_if(widths, [&](const WidthChoice& choice) { return choice.width < width * (1.0 - 1e-9); });
+  return std::max(0, static_cast<int>(narrower - widths.begin()) - 1);
 }
 
 /// m, of a full-speed sample of a block: the way that the control watches.
@@ -63,9 +88,10 @@ bool delays_curves(const Toolpath& path, const std::vector<int>& delays) {
 /// A program at its feeds, every corner with the delay that it needs by itself.
 class PairwiseTimes {
  public:
+  /// @param by_axis      the way that the control watches
   /// @param slow_curves  lower the feeds inside legs to those that need no delay
   PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline,
-                bool slow_curves)
+                bool by_axis, bool slow_curves)
       : filter_(filter) {
     ready_feeds(path, filter, period, machine);
     PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
@@ -78,10 +104,14 @@ class PairwiseTimes {
     if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
     const CommandTiming timing(path, period, delays.delays);
     any_ = static_cast<double>(timing.command_samples() + filter.order() + 1);
-    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+    for (std::size_t b = 0, run = 0; b + 1 < path.blocks(); ++b) {
+      // A run takes whole samples.
+      const double length = timing.ends_run(b) ? timing.run_length(run, b) : 1.0;
+      const double slowed = length / static_cast<double>(CommandTiming::run_samples(length));
+      if (timing.ends_run(b)) run = b + 1;
       const bool passed = !ends_leg(path, b) && delays.delays[b] == 0;
       if (passed || path.joint[b] == Joint::stop) continue;
-      joints_.push_back({step_of(path, b, period, false), step_of(path, b, period, true), delays.delays[b]});
+      joints_.push_back({slowed * step_of(path, b, period, by_axis), delays.delays[b]}), delay_ += delays.delays[b];
     }
   }
 
@@ -89,23 +119,25 @@ class PairwiseTimes {
 
   double with(const ControlDelays& control) const {
     double samples = any_;
-    for (const Held& joint : joints_) {
-      const double step = control.by_axis ? joint.step_of_axis : joint.step;
-      const auto delay = control_delay(control, filter_, step, joint.delay);
+    for (const HeldJoint& joint : joints_) {
+      const auto delay = control_delay(control, filter_, joint.step, joint.delay);
       if (!delay) return unlimited;
       samples += *delay - joint.delay;
     }
     return samples;
   }
 
+  /// All widths, with the samples of the program.
+  std::vector<WidthChoice> widths(const ControlDelays& control) const {
+    std::vector<WidthChoice> widths = width_choices(control, filter_, joints_);
+    for (WidthChoice& choice : widths) choice.samples += any_ - delay_;
+    return widths;
+  }
+
  private:
-  struct Held {
-    double step, step_of_axis;  // m, of the leg that ends there, and of its fastest axis
-    int delay;
-  };
   const Filter& filter_;
-  double any_ = 0.0;
-  std::vector<Held> joints_;
+  double any_ = 0.0, delay_ = 0.0;
+  std::vector<HeldJoint> joints_;
 };
 
 }  // namespace
@@ -122,8 +154,7 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     time += path.duration[b];
     if (path.joint[b] == Joint::stop && b + 1 < path.blocks()) ++stops_;
     if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
-    const bool by_axis = task.settings && task.settings->in_position_by_axis;
-    step_ = std::max(step_, step_of(path, b, task.sample_period, by_axis));
+    joints_.push_back({step_of(path, b, task.sample_period, by_axis()), 0});
   }
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (path.rapid[b] == 0) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
@@ -152,32 +183,34 @@ bool SettingsTrials::guesses_kept() const {
   return keep_ || path_.blocks() <= small_program;
 }
 
+bool SettingsTrials::by_axis() const {
+  return task_.settings && task_.settings->in_position_by_axis;
+}
+
 bool SettingsTrials::has_widths() const {
-  return task_.settings->names(DelayKind::in_position) && step_ > 0.0;
+  return task_.settings->names(DelayKind::in_position) && !joints_.empty();
 }
 
-double SettingsTrials::width_of(const Filter& filter, int delay) const {
-  const double more = delay > 0 ? filter.remaining_moment(delay - 1) : filter.remaining_moment(0) + 1.0;
-  return 0.5 * step_ * (filter.remaining_moment(delay) + more);
+std::vector<WidthChoice> SettingsTrials::widths_of(const Filter& filter) const {
+  const ControlDelays control = control_of(*task_.settings, 0.0);
+  if (!guesses_kept()) return width_choices(control, filter, joints_);
+  effort_.spend(work_of_pairs(path_));
+  return PairwiseTimes(path_, filter, task_.sample_period, machine_, effort_.clock(), by_axis(), true).widths(control);
 }
 
-/// Steps around a delay of the fastest corner that are halved.
+/// Steps around a width that are halved.
+/// @param finest  the last of them
 template <class Time>
-void SettingsTrials::search_width(const Filter& filter, int from, int step, const Time& time,
-                                  TimedSetting& best) const {
-  for (; step >= 1; step /= 2) {
-    for (const int delay : {from - step, from + step}) {
-      if (delay < 0 || delay > filter.order() || effort_.over()) continue;
-      const double width = width_of(filter, delay), samples = time(planned_control(*task_.settings, width));
-      if (samples < best.samples) best = {samples, width}, from = delay;
+void SettingsTrials::search_width(const std::vector<WidthChoice>& widths, int from, int step, int finest,
+                                  const Time& time, TimedSetting& best) const {
+  for (; step >= finest; step /= 2) {
+    for (const int at : {from - step, from + step}) {
+      if (at < 0 || at >= std::ssize(widths) || effort_.over()) continue;
+      const double width = widths[static_cast<std::size_t>(at)].width;
+      const double samples = time(planned_control(*task_.settings, width));
+      if (samples < best.samples) best = {samples, width}, from = at;
     }
   }
-}
-
-int SettingsTrials::delay_at(const Filter& filter, double width) const {
-  int delay = filter.order();
-  while (delay > 0 && width_of(filter, delay) < width * (1.0 - 1e-9)) --delay;
-  return delay;
 }
 
 double SettingsTrials::any(const Filter& set) const {
@@ -185,10 +218,10 @@ double SettingsTrials::any(const Filter& set) const {
   if (!filter) return unlimited;
   const double chosen = keep_ ? unlimited : scheduled(*filter, {});
   if (guesses_kept()) effort_.spend(work_of_pairs(path_));
-  return guesses_kept()
-             ? std::min(chosen,
-                        PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock(), false).any())
-             : chosen;
+  return guesses_kept() ? std::min(chosen, PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock(),
+                                                         by_axis(), false)
+                                               .any())
+                        : chosen;
 }
 
 TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) const {
@@ -198,7 +231,7 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
   if (guesses_kept()) {
-    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock(), true);
+    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock(), by_axis(), true);
     effort_.spend(work_of_pairs(path_));
   }
   const auto time = [&](const ControlDelays& with) {
@@ -207,42 +240,59 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   };
   TimedSetting best{time(control), 0.0};
   if (!has_widths()) return best;
-  const auto take = [&](int delay) {
-    const double at = width_of(filter, delay), samples = time(planned_control(*task_.settings, at));
+  const std::vector<WidthChoice> widths = pairwise ? pairwise->widths(control_of(*task_.settings, 0.0))
+                                                   : width_choices(control_of(*task_.settings, 0.0), filter, joints_);
+  effort_.spend(work_of_widths(widths));
+  if (const WidthChoice* kept = pairwise ? best_of(widths) : nullptr; kept != nullptr && kept->samples < best.samples)
+    best = {kept->samples, kept->width};
+  if (keep_ || widths.empty()) return best;
+  const auto take = [&](int at) {
+    const double tried = widths[static_cast<std::size_t>(at)].width;
+    const double samples = time(planned_control(*task_.settings, tried));
     const bool better = samples < best.samples;
-    if (better) best = {samples, at};
+    if (better) best = {samples, tried};
     return better;
   };
-  const int coarse = coarse_delays(filter);
+  const int coarse = coarse_step(widths), finest = finest_step(widths, filter);
   if (width > 0.0) {
-    const int near = delay_at(filter, width);
+    const int near = nearest_to(widths, width);
     take(near);
-    search_width(filter, near, coarse, time, best);
+    search_width(widths, near, coarse, finest, time, best);
     return best;
   }
-  int middle = filter.order() / 2;
-  for (int delay = 0; delay <= filter.order() && !effort_.over(); delay += coarse) {
-    if (take(delay)) middle = delay;
+  int middle = static_cast<int>(widths.size()) / 2;
+  for (int at = 0; at < std::ssize(widths) && !effort_.over(); at += coarse) {
+    if (take(at)) middle = at;
   }
-  search_width(filter, middle, coarse / 2, time, best);
+  search_width(widths, middle, coarse / 2, finest, time, best);
   return best;
 }
 
-TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough) const {
+TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough, double than) const {
   const std::optional<Filter> filter = command(set);
   if (!filter) return {};
   const Deadline until = thorough ? with_one_plan(effort_.clock()) : effort_.clock();
   const ControlDelays control = planned_control(*task_.settings, guessed);
   TimedSetting best{planned(*filter, control, until), guessed};
-  if (control.any() || !has_widths()) return best;
-  if (!thorough || best.samples < unlimited) return best;
-  // The longest delays, which most limits allow, come first. A plan with short ones may hold by far lower feeds.
-  const int coarse = coarse_delays(*filter);
-  for (int delay = filter->order(); delay >= 0 && !effort_.over(); delay -= coarse) {
-    const double width = width_of(*filter, delay);
+  if (best.samples < unlimited || control.any() || !has_widths() || !(thorough || keep_)) return best;
+  const std::vector<WidthChoice> widths = widths_of(*filter);
+  const auto take = [&](int at) {
+    const double width = widths[static_cast<std::size_t>(at)].width;
     const double samples = planned(*filter, planned_control(*task_.settings, width), effort_.clock());
     if (samples < best.samples) best = {samples, width};
-  }
+    return samples < unlimited;
+  };
+  // The longest delays, which most limits allow, come first. Errors and limits then hold up to the widest that does.
+  const int wide = guessed > 0.0 ? nearest_to(widths, guessed) : -1;
+  int narrow = static_cast<int>(widths.size()) - 1;
+  const bool at_feed = keep_ && best_of(widths) != nullptr;
+  if (!thorough && !at_feed) return best;
+  while (at_feed && narrow > wide && !(widths[static_cast<std::size_t>(narrow)].samples < than)) --narrow;
+  if (narrow > wide && !effort_.over() && take(narrow))
+    least_held(wide, narrow, [&](int at) { return !effort_.over() && take(at); });
+  // A plan with short ones may hold by far lower feeds.
+  for (int at = narrow - coarse_step(widths); !at_feed && at >= 0 && !effort_.over(); at -= coarse_step(widths))
+    take(at);
   return best;
 }
 
@@ -250,9 +300,13 @@ TimedSetting SettingsTrials::refined(const Filter& set, const TimedSetting& plan
   const std::optional<Filter> filter = command(set);
   const bool any = planned_control(*task_.settings, planned.width).any();
   if (!filter || any || !has_widths() || !(planned.width > 0.0)) return planned;
+  const std::vector<WidthChoice> widths = widths_of(*filter);
+  const WidthChoice* const kept = keep_ ? best_of(widths) : nullptr;
+  if (widths.empty() || (kept != nullptr && planned.samples <= kept->samples)) return planned;
   TimedSetting best = planned;
   const auto time = [&](const ControlDelays& with) { return this->planned(*filter, with, effort_.clock()); };
-  search_width(*filter, delay_at(*filter, best.width), std::max(1, coarse_delays(*filter) / 2), time, best);
+  const int finest = keep_ ? 1 : finest_step(widths, *filter), coarse = std::max(finest, coarse_step(widths) / 2);
+  search_width(widths, nearest_to(widths, best.width), coarse, finest, time, best);
   return best;
 }
 
