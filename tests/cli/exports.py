@@ -310,8 +310,14 @@ int main(void) {{
             self.assertEqual(delay, free["corners"][0]["delay_samples"])
             # These taps and the delay as any given filter's.
             given = f"[filter]\nkind = 'taps'\ntaps = {[w / 2**bits for w in whole]}\n[[axis]]"
-            (folder / "given.toml").write_text(text.replace("[[axis]]", given, 1) + f"\ndelay_samples = {delay}\n")
-            run(accdec, "--quiet", "evaluate", "given.toml")
+            judged = made(text.replace("[[axis]]", given, 1) + f"\ndelay_samples = {delay}\n", "given.toml",
+                          "given.json", "evaluate")
+            # The head tells how far these taps use each limit, not how far those of the result did.
+            told = re.findall(r"limit: acceleration (\w) .*?, (\S+) % used", export(format, "tight.json").decode())
+            self.assertTrue(told)
+            for axis, used in told:
+                uses = [u["utilisation"] for u in judged["limits"] if (u["kind"], u["axis"]) == ("acceleration", axis)]
+                self.assertAlmostEqual(float(used), 100 * max(uses), delta=0.01)
 
     def test_a_refused_fixed_point_form_names_the_key(self):
         made((problems / "corner" / "acceleration-jerk.toml").read_text(), "tight.toml", "tight.json")

@@ -158,6 +158,18 @@ TEST(CliIdentify, ALogFasterThanTheControlIsNamed) {
   EXPECT_THAT(done.err, HasSubstr("the log is faster than the control"));
 }
 
+TEST(CliIdentify, ALogOfTwoMovesIsNamed) {
+  Files files;
+  const std::vector<std::string> rows = move_behind({22, 22});
+  std::vector<std::string> twice = rows;
+  const auto place = [](const std::string& row) { return std::stod(row.substr(row.find(',') + 1)); };
+  for (const std::string& row : rows)
+    twice.push_back(fmt::format("{},{:.9f}", twice.size(), place(rows.back()) + place(row)));
+  const Outcome done = files.identify(table("t_ms,x_mm", twice));
+  EXPECT_EQ(done.code, 2);
+  EXPECT_THAT(done.err, HasSubstr("between two moves; allowed is one straight move, or one corner"));
+}
+
 /// A drive logs each position of the control four times, and the control's clock lies anywhere among them.
 TEST(CliIdentify, ALogMayHaveSeveralRowsASample) {
   const std::vector<std::string> rows = move_behind({22, 15});

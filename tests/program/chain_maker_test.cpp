@@ -19,12 +19,12 @@ using test::machine_of;
 using test::path_of;
 using test::random_program;
 
-std::string relief(long blocks) {
+std::string generated(GeneratedProgram kind, long blocks) {
   std::ostringstream text;
   GenerateOptions options;
   options.blocks = blocks;
   options.feed = 6000.0;
-  generate_program(GeneratedProgram::relief, options, text);
+  generate_program(kind, options, text);
   return std::move(text).str();
 }
 
@@ -55,7 +55,7 @@ TEST(ChainMaker, AChainMadeAgainIsAsOneMadeFirst) {
 TEST(ChainMaker, LongProgramsHoldByDifferencesOfTheirSamples) {
   const Machine m = machine_of(10.0, 1000.0, 0.5, 3);
   constexpr double period = 1e-3;
-  const Toolpath path = path_of(relief(51'000), m);
+  const Toolpath path = path_of(generated(GeneratedProgram::relief, 51'000), m);
   ASSERT_GT(path.blocks(), 50'000U);
   const ProfilePlan plan = plan_profiles(path, m, period);
   EXPECT_TRUE(plan.holds());
@@ -78,6 +78,38 @@ TEST(ChainMaker, LongProgramsHoldByDifferencesOfTheirSamples) {
   // 8 half units of positions below 1 m, over T^3.
   EXPECT_LE(worst, 1.0 + 1e-8 + 8.0 * 1.2e-16 / std::pow(period, 3) / 1000.0);
   for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(motion.position()[a], path.point(path.blocks())[a], 1e-12);
+}
+
+// All samples behind the part stay the same. On moves of two samples, one leg has no room for a change of speed.
+TEST(ChainMaker, AShortPartOfARasterEndsWholeSamplesLater) {
+  const Machine m = machine_of(1.0, 50.0, 0.2, 3);
+  constexpr double period = 1e-3;
+  const Toolpath path = path_of(generated(GeneratedProgram::raster, 3000), m);
+  const AvailableAcceleration available(m, period, LastFilter(20, period));
+  ChainMaker maker(path, available);
+  ProfileShares shares(path.blocks());
+  std::vector<double> phases(path.blocks());
+  ProfileMotion motion(path, maker.make(shares), period, available.last().filter());
+  motion.note_phases(phases);
+  while (motion.next()) {
+  }
+  constexpr std::size_t reach = 12;  // legs, about 0.03 s
+  int remade = 0, tried = 0;
+  for (std::size_t b = 2 * reach; b + 2 * reach < path.blocks(); b += 3 * reach, ++tried) {
+    const ProfileChain before = maker.chain();
+    shares.speed[b] *= 0.97F;
+    if (!maker.remake(shares, b - reach, b + reach, phases)) continue;
+    ++remade;
+    const ProfileChain& after = maker.chain();
+    const double later = chain_time(after, b - reach, b + reach + 1) - chain_time(before, b - reach, b + reach + 1);
+    EXPECT_NEAR(later / period, std::round(later / period), 1e-6);
+    EXPECT_GE(later, -1e-9 * period);
+    EXPECT_EQ(after.speed[b - reach], before.speed[b - reach]);
+    EXPECT_EQ(after.speed[b + reach + 1], before.speed[b + reach + 1]);
+    EXPECT_LE(after.speed[b], 0.97001 * before.speed_max[b]);
+  }
+  EXPECT_GT(tried, 20);
+  EXPECT_EQ(remade, tried);
 }
 
 }  // namespace

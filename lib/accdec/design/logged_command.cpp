@@ -250,9 +250,18 @@ class Finder {
   [[noreturn]] void too_short(int from, int to) const {
     // Between the ramps a log of a faster clock repeats the control's positions.
     const int quarter = (to - from) / 4, middle = std::max(1, to - from - 2 * quarter);
-    int still = 0;
-    for (int k = from + quarter + 1; k <= to - quarter; ++k)
-      still += (at_.col(k) - at_.col(k - 1)).norm() <= threshold_;
+    int still = 0, run = 0, longest = 0;
+    for (int k = from + quarter + 1; k <= to - quarter; ++k) {
+      run = (at_.col(k) - at_.col(k - 1)).norm() <= threshold_ ? run + 1 : 0;
+      still += run > 0;
+      longest = std::max(longest, run);
+    }
+    // A faster clock spreads what it repeats over the whole leg.
+    if (still > standing_part * middle && 2 * longest > still)
+      throw std::invalid_argument(
+          fmt::format("the positions rest for {} samples amid samples {} to {}, between two moves; allowed is one "
+                      "straight move, or one corner that is cut",
+                      longest, from, to));
     if (still > standing_part * middle)
       throw std::invalid_argument(
           fmt::format("the positions stand still in {} of {} samples amid the leg from sample {} to {}: the log is "

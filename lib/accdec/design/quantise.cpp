@@ -159,17 +159,18 @@ class QuantisedDesign {
       if (lossless() || late()) return;
       offer_design_of(with_room(part, order));
     }
-    // Each longer filter has a little more room.
+    // Little is left to gain otherwise.
+    const auto much_lost = [&] { return !best_ || best_->objective() > 1.05 * free_.objective(); };
+    if (much_lost()) powers_of_two({}, bits_);
+    // Each longer filter has a little more room, and takes longer.
     const int most = std::min(task_.design.order_max, order + std::max(8, order / 2));
-    for (int longer = order + 1; longer <= most; ++longer) {
+    bool held = !much_lost();
+    for (int longer = order + 1; longer <= most && !held; ++longer) {
       for (const double part : parts) {
-        if (best_ || late()) break;
-        at_order(longer, part);
+        if (held || late()) break;
+        held = at_order(longer, part);
       }
     }
-    // Little is left to gain otherwise.
-    constexpr double much = 1.05;
-    if (!best_ || best_->objective() > much * free_.objective()) powers_of_two({}, bits_);
     shorten_delays();
   }
 
@@ -216,40 +217,43 @@ class QuantisedDesign {
     return part > 0.0 ? tightened(task_, unit_, part, order) : snapped(task_, unit_);
   }
 
-  /// With limits that leave room, at this order and the delays of free taps.
-  void at_order(int order, double part) {
+  /// With limits that leave room, at this order and the delays of free taps. @return whether such a filter holds
+  bool at_order(int order, double part) {
     Task task = with_room(part, order);
     task.design.order_min = task.design.order_max = order;
     task.settings.reset();
     for (std::size_t j = 0; j < delays_.size(); ++j) task.corners[j].delay = delays_[j];
-    offer_design_of(std::move(task));
+    return offer_design_of(std::move(task));
   }
 
-  void offer_design_of(Task task) {
+  bool offer_design_of(Task task) {
     task.design.coefficient_bits = 0;
     DesignOptions options = options_;
     options.exact.certificate = false;
     options.time_limit = 0.25 * std::max(0.05, options_.time_limit - seconds_since(began_));
     const DesignResult room = design_task(task, options);
-    if (!room.has_design() || (best_ && room.objective() >= best_->objective() * (1.0 - 1e-12))) return;
+    if (!room.has_design()) return false;
+    if (best_ && room.objective() >= best_->objective() * (1.0 - 1e-12)) return true;
     std::vector<int> delays;
     for (const CornerResult& corner : room.corners) delays.push_back(corner.delay);
-    offer(*room.filter, delays);
+    return offer(*room.filter, delays);
   }
 
-  void offer(const Filter& filter, const std::vector<int>& delays) {
+  /// @return whether these taps hold the limits when rounded
+  bool offer(const Filter& filter, const std::vector<int>& delays) {
     // A simulation takes O(N^2).
     const double size = 1.0 + 0.03 * filter.order();
     long left = static_cast<long>(exchanges_max / (size * size));
     const auto stop = [&] { return --left < 0 || late(); };
     const auto rounded = round_under_limits(task_, filter, delays, bits_, stop);
-    if (!rounded) return;
+    if (!rounded) return false;
     const Filter quantised = filter_of_coefficients(*rounded);
     DesignResult found =
         task_.settings ? with_kinds(quantised) : assess(task_, quantised, smallest_delays(quantised, delays), false);
-    if (!found.has_design() || (best_ && !(found.objective() < best_->objective()))) return;
+    if (!found.has_design() || (best_ && !(found.objective() < best_->objective()))) return found.has_design();
     found.quantisation = Quantisation{bits_, *rounded, 0.0};
     best_ = std::move(found);
+    return true;
   }
 
   std::vector<int> smallest_delays(const Filter& filter, const std::vector<int>& known) const {
@@ -280,19 +284,24 @@ class QuantisedDesign {
     return true;
   }
 
+  StopReason reason() const {
+    if (options_.cancel != nullptr && options_.cancel->load()) return StopReason::interrupted;
+    return late() ? StopReason::time_limit : StopReason::finished;
+  }
+
   DesignResult finish() {
     DesignResult result;
     if (!best_) {
       result.task = task_;
       result.status = Status::failed;
-      result.stop = late() ? StopReason::time_limit : StopReason::finished;
+      result.stop = reason();
       result.message = fmt::format(
           "no coefficients of {} bits were found that hold all limits; free taps hold them in {:.6g} ms. Allow more "
           "bits or wider limits",
           bits_, 1e3 * free_.objective());
     } else {
       result = std::move(*best_);
-      result.stop = free_.stop, result.message = free_.message;
+      result.stop = free_.stop == StopReason::finished ? reason() : free_.stop, result.message = free_.message;
       result.quantisation->unquantised = std::min(free_.objective(), result.objective());
     }
     if (about_these_delays(result)) {

@@ -31,8 +31,8 @@ std::optional<Coefficients> round_under_limits(const Task& task, const Filter& f
 
 /// A design whose taps are multiples of 2^-bits, bits from `task.design.coefficient_bits`. The optimum of free taps
 /// comes first, with half of the time. Then filters with room for the rounding are looked for, with limits tightened by
-/// the largest effect of a rounding, or by a part of it. First the order and the delays are the optimum's, then any,
-/// then the order is longer. Cascades of averages follow whose lengths are powers of two: their coefficients are whole.
+/// the largest effect of a rounding, or by a part of it. First the order and the delays are the optimum's, then any.
+/// Cascades of averages follow whose lengths are powers of two: their coefficients are whole. Then the order is longer.
 /// At last neighbours of the best coefficients are tried with shorter delays. Each filter is rounded by
 /// `round_under_limits` and gets its smallest delays, or the cheapest ones of the kinds that the task's controller has.
 /// The lower bound and its proof are those of free taps. `optimal` means that nothing is lost.

@@ -315,13 +315,16 @@ std::string describe(const LimitUse& use) {
   std::string text(limit_word(use.kind, use.axis));
   std::replace(text.begin(), text.end(), '_', ' ');
   if (!use.axis.empty()) text += " " + use.axis;
-  const bool of_zero = use.utilisation >= unlimited;  // the bound is zero, and the value is not
+  const bool of_zero = use.utilisation >= unlimited;  // the bound is zero and the value is not, or a speed is zero
+  const LimitUnit unit = limit_unit(use.kind, use.axis);
   if (!of_zero)
     text += fmt::format(": {:.1f} %", 100.0 * use.utilisation);
   else if (use.kind == LimitKind::vibration)
     text += fmt::format(": lets {:.3g} % of a mode through, which must be zero,", 100.0 * use.value);
+  else if (use.kind == LimitKind::speed_min)
+    text += fmt::format(": 0 {0}, which must be at least {1:.4g} {0},", unit.name, unit.per_si * use.bound);
   else
-    text += fmt::format(": {:.4g} um, which must be zero,", 1e6 * use.value);
+    text += fmt::format(": {:.4g} {}, which must be zero,", unit.per_si * use.value, unit.name);
   if (use.kind == LimitKind::vibration) return text + " " + place_of_vibration(use, 4);
   if (use.kind == LimitKind::residual)
     text += fmt::format(" {} behind the {}", place_of_vibration(use, 4), to_string(use.event));

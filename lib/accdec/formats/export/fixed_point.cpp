@@ -32,6 +32,12 @@ std::optional<Coefficients> designed_whole(Task task, int order, const std::vect
   return whole.has_design() ? std::optional(whole.quantisation->coefficients) : std::nullopt;
 }
 
+std::vector<int> delays_of(const DesignResult& result) {
+  std::vector<int> delays;
+  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  return delays;
+}
+
 /// Taps that are no multiples of 2^-bits, made whole: only if all limits can be checked, and hold.
 WholeTaps made_whole(const ExportedDesign& design, int bits) {
   const DesignResult& result = design.result;
@@ -46,8 +52,7 @@ WholeTaps made_whole(const ExportedDesign& design, int bits) {
   if (!result.has_design()) refuse("the result does not hold all limits");
   if (std::any_of(result.corners.begin(), result.corners.end(), [](const auto& c) { return c.feed_part < 1.0; }))
     refuse("limits of corners at a part of the feed cannot be checked here");
-  std::vector<int> delays;
-  for (const CornerResult& corner : result.corners) delays.push_back(corner.delay);
+  const std::vector<int> delays = delays_of(result);
   // A minute of exchanges is more than a user waits for a file.
   long left = 20'000;
   const auto rounded = round_under_limits(result.task, design.filter, delays, bits, [&] { return --left < 0; });
@@ -60,10 +65,14 @@ WholeTaps made_whole(const ExportedDesign& design, int bits) {
           "were verified with these."};
 }
 
-std::string fixed_point(const ExportedDesign& design, int bits) {
-  const auto exact = exact_coefficients(design.filter, bits);
-  const WholeTaps whole = exact ? WholeTaps{*exact, "The design's own taps, exactly."} : made_whole(design, bits);
+std::string fixed_point(const ExportedDesign& given, int bits) {
+  const auto exact = exact_coefficients(given.filter, bits);
+  const WholeTaps whole = exact ? WholeTaps{*exact, "The design's own taps, exactly."} : made_whole(given, bits);
   const Coefficients& c = whole.coefficients;
+  // The head names the limits as the taps below it use them.
+  DesignResult result = given.result;
+  if (!exact) result.limits = assess(result.task, filter_of_coefficients(c), delays_of(result), false).limits;
+  const ExportedDesign design = exported_design(result);
   for (const std::int64_t unit : c) {
     if (unit >= std::int64_t{1} << bits)
       throw std::invalid_argument(

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <accdec/plan/trajectory/chain_maker.hpp>
 #include <accdec/plan/trajectory/look_ahead.hpp>
@@ -60,13 +61,21 @@ std::size_t after_last_stop(const ProfileChain& part) {
   return from;
 }
 
-/// The same, with corners and peaks of legs from `from` on at no more than `share` of their speeds.
-ProfileChain slowed(const ProfileChain& part, std::size_t from, double share) {
+/// The same, with the speeds of corners and the peaks of legs from `from` on lower by up to `less` of them. They fall
+/// from nothing at both ends to most in the middle third: short legs at the ends leave no room for a change of speed.
+ProfileChain slowed(const ProfileChain& part, std::size_t from, double less) {
   ProfileChain slow = part;
-  for (std::size_t c = from + 1; c < part.legs(); ++c) slow.speed_max[c] = share * part.speed[c];
+  const auto legs = static_cast<double>(part.legs() - from);
+  const auto share = [&](double behind) {
+    return 1.0 - less * std::min(1.0, 3.0 * std::min(behind, legs - behind) / legs);
+  };
+  for (std::size_t c = from + 1; c < part.legs(); ++c) {
+    slow.speed_max[c] = share(static_cast<double>(c - from)) * part.speed[c];
+  }
   look_ahead(slow);
   for (std::size_t b = from; b < part.legs(); ++b) {
-    slow.peak[b] = std::max({slow.speed[b], slow.speed[b + 1], std::min(slow.peak[b], share * part.peak[b])});
+    const double peak = share(static_cast<double>(b - from) + 0.5) * part.peak[b];
+    slow.peak[b] = std::max({slow.speed[b], slow.speed[b + 1], std::min(slow.peak[b], peak)});
   }
   return slow;
 }
@@ -79,22 +88,30 @@ bool take_whole_samples(ProfileChain& part, std::size_t from, double wanted, dou
   double more = (wanted - time) / period;
   more -= std::floor(more);
   if (more < exact || more > 1.0 - exact) return true;
-  const double goal = time + more * period;
-  // Finds the share by false position, because the time falls nearly linearly with it.
-  double low = 0.7, high = 1.0, above = 0.0, below = time - goal;
-  ProfileChain slow = slowed(part, from, low);
-  if (!keeps_ends(slow) || (above = chain_time(slow, from, slow.legs()) - goal) < 0.0) return false;
+  more *= period;
+  // Finds how much less by false position, because the time rises nearly linearly with it.
+  constexpr double less_max = 0.3;
+  double low = 0.0, high = std::min(less_max, 2.0 * more / time), below = -more, above = 0.0;
+  while (true) {
+    const ProfileChain slow = slowed(part, from, high);
+    if (!keeps_ends(slow)) return false;
+    above = chain_time(slow, from, slow.legs()) - time - more;
+    if (above >= 0.0) break;
+    if (high == less_max) return false;
+    low = std::exchange(high, std::min(less_max, 2.0 * high));
+    below = above;
+  }
   for (int i = 0; i < 80; ++i) {
-    const double share = i % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * above / (above - below);
-    slow = slowed(part, from, share);
-    const double off = chain_time(slow, from, slow.legs()) - goal;
+    const double less = i % 3 == 2 ? 0.5 * (low + high) : low - (high - low) * below / (above - below);
+    ProfileChain slow = slowed(part, from, less);
+    const double off = chain_time(slow, from, slow.legs()) - time - more;
     if (std::abs(off) < exact * period) {
       if (!keeps_ends(slow)) return false;
       part.speed = std::move(slow.speed);
       part.peak = std::move(slow.peak);
       return true;
     }
-    (off > 0.0 ? low : high) = share;
+    (off > 0.0 ? high : low) = less;
     (off > 0.0 ? above : below) = off;
   }
   return false;
