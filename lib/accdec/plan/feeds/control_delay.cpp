@@ -78,19 +78,26 @@ double watched_part(const ControlDelays& control, const double* velocity, std::s
   return fastest / speed;
 }
 
-std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {
+std::optional<int> control_delay_after(const ControlDelays& control, const Filter& filter, int wait, int least) {
   if (control.any()) return least;
   if (least == 0 && control.names(DelayKind::continuous)) return 0;
   const int apart = exact_stop_delay(filter);
   std::optional<int> best;
   if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + exact_stop_more)
     best = stop;
-  if (!control.names(DelayKind::in_position) || !(control.width > 0.0)) return best;
-  // The way left falls to 0.
-  const int waits =
-      least_held(-1, filter.order() + 1, [&](int k) { return step * filter.remaining_moment(k) <= control.width; });
-  if (waits >= least && (!best || waits < *best)) best = waits;
+  if (!control.names(DelayKind::in_position)) return best;
+  if (wait >= least && (!best || wait < *best)) best = wait;
   return best;
+}
+
+std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least) {
+  constexpr int never = -1;
+  if (control.any() || !control.names(DelayKind::in_position) || !(control.width > 0.0))
+    return control_delay_after(control, filter, never, least);
+  // The way left falls to 0.
+  const int wait =
+      least_held(-1, filter.order() + 1, [&](int k) { return step * filter.remaining_moment(k) <= control.width; });
+  return control_delay_after(control, filter, wait, least);
 }
 
 }  // namespace accdec

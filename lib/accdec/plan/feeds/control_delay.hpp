@@ -54,5 +54,7 @@ double watched_part(const ControlDelays& control, const double* velocity, std::s
 /// None if it has none as long.
 /// @param step  v1 T, m; of the fastest axis where the control watches each axis, see watched_part
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least);
+/// The same where the control has waited so many samples for its in-position width. @param wait  negative: it has none
+std::optional<int> control_delay_after(const ControlDelays& control, const Filter& filter, int wait, int least);
 
 }  // namespace accdec

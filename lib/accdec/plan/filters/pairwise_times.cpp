@@ -55,7 +55,7 @@ double sample_way(const Toolpath& path, std::size_t b, double sample_period, boo
 }
 
 PairwiseTimes::PairwiseTimes(Toolpath path, const Filter& filter, double sample_period, const Machine& machine,
-                             Effort& effort, bool slow_curves)
+                             Effort& effort, bool by_axis, bool slow_curves)
     : filter_(filter) {
   ready_feeds(path, filter, sample_period, machine);
   PairwiseDelays delays = pairwise_delays(path, filter, sample_period, machine);
@@ -75,24 +75,33 @@ PairwiseTimes::PairwiseTimes(Toolpath path, const Filter& filter, double sample_
   }
   const CommandTiming timing(path, sample_period, delays.delays);
   any_ = static_cast<double>(timing.command_samples() + filter.order() + 1);
-  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
+  for (std::size_t b = 0, run = 0; b + 1 < path.blocks(); ++b) {
+    // A run takes whole samples.
+    const double length = timing.ends_run(b) ? timing.run_length(run, b) : 1.0;
+    const double part = length / static_cast<double>(CommandTiming::run_samples(length));
+    if (timing.ends_run(b)) run = b + 1;
     const bool inside = !ends_leg(path, b);
     if (inside) on_curves_ += delays.delays[b];
     if ((inside && delays.delays[b] == 0) || path.joint[b] == Joint::stop) continue;
-    joints_.push_back(
-        {sample_way(path, b, sample_period, false), sample_way(path, b, sample_period, true), delays.delays[b]});
+    joints_.push_back({part * sample_way(path, b, sample_period, by_axis), delays.delays[b]});
+    delay_ += delays.delays[b];
   }
 }
 
 double PairwiseTimes::with(const ControlDelays& control) const {
   double samples = any_;
-  for (const Held& joint : joints_) {
-    const double step = control.by_axis ? joint.step_of_axis : joint.step;
-    const auto delay = control_delay(control, filter_, step, joint.delay);
+  for (const HeldJoint& joint : joints_) {
+    const auto delay = control_delay(control, filter_, joint.step, joint.delay);
     if (!delay) return unlimited;
     samples += *delay - joint.delay;
   }
   return samples;
+}
+
+std::vector<WidthChoice> PairwiseTimes::widths(const ControlDelays& control) const {
+  std::vector<WidthChoice> widths = width_choices(control, filter_, joints_);
+  for (WidthChoice& choice : widths) choice.samples += any_ - delay_;
+  return widths;
 }
 
 double lost_on_curves(Toolpath path, const Filter& filter, double sample_period, const Machine& machine,

@@ -9,6 +9,7 @@
 #include <accdec/filter.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/plan/filters/effort.hpp>
+#include <accdec/plan/filters/width_choices.hpp>
 #include <accdec/simulate.hpp>
 
 namespace accdec {
@@ -22,9 +23,10 @@ class PairwiseTimes {
  public:
   /// Keeps the reference to the filter.
   /// @param effort       counts the work
+  /// @param by_axis      the way that the control watches, see sample_way
   /// @param slow_curves  lower the feeds inside legs to those that need no delay
   PairwiseTimes(Toolpath path, const Filter& filter, double sample_period, const Machine& machine, Effort& effort,
-                bool slow_curves);
+                bool by_axis, bool slow_curves);
 
   /// With delays of any number of samples.
   double any() const { return any_; }
@@ -36,18 +38,17 @@ class PairwiseTimes {
   bool curves_delayed() const { return curves_delayed_; }
   /// With the control's delays; `unlimited` if it has none that do.
   double with(const ControlDelays& control) const;
+  /// All widths, with the samples of the program.
+  std::vector<WidthChoice> widths(const ControlDelays& control) const;
 
  private:
-  struct Held {
-    double step, step_of_axis;  // m, of the leg that ends there, and of its fastest axis
-    int delay;
-  };
   const Filter& filter_;
   double any_ = 0.0;
   double on_curves_ = 0.0;  // samples, of delays inside legs
   double by_limits_ = 0.0;  // samples, of feeds that limits lower
   bool curves_delayed_ = false;
-  std::vector<Held> joints_;
+  double delay_ = 0.0;  // samples, of all joints
+  std::vector<HeldJoint> joints_;
 };
 
 /// Samples that a program takes longer if its feeds inside legs are those that need no delay, see curve_feeds.

@@ -223,7 +223,7 @@ class MemberSearch {
     planned_.insert(member.key());
     if (effort_.over()) ++late_;
     const Filter filter = make_filter(member.spec);
-    TimedSetting time = trials_.plan(filter, guesses_.of(member).width, !best_);
+    TimedSetting time = trials_.plan(filter, guesses_.of(member).width, !best_, time_.samples);
     // Only what comes near is worth more plans. The first one is refined behind others.
     constexpr double near = 1.01;
     const bool refines = best_ && time.samples < near * time_.samples;
@@ -292,7 +292,7 @@ namespace {
 /// slower plan with it may.
 TimedSetting timed(const SettingsTrials& trials, const Filter& filter) {
   const TimedSetting guess = trials.guess(filter, trials.any(filter), 0.0);
-  const TimedSetting time = trials.refined(filter, trials.plan(filter, guess.width, true));
+  const TimedSetting time = trials.refined(filter, trials.plan(filter, guess.width, true, unlimited));
   return time.samples < unlimited ? time : TimedSetting{unlimited, guess.width};
 }
 

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include <accdec/machine/response.hpp>
 #include <accdec/motion/circle.hpp>
+#include <accdec/motion/least_held.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/limited_repair.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
@@ -12,6 +14,7 @@
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
+#include <accdec/plan/filters/width_choices.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -34,9 +37,31 @@ double work_of_waits(const Toolpath& path, const Filter& filter) {
   return path.control.width > 0.0 ? static_cast<double>(path.blocks()) * n * (1e-9 * n + 3e-8) : 0.0;
 }
 constexpr double repairs_a_block = 50.0;  // more than plans that hold need
-/// Samples, between delays that are tried first.
-int coarse_delays(const Filter& filter) {
-  return std::max(1, filter.order() / 8);
+double work_of_widths(const std::vector<WidthChoice>& widths) {
+  return 1e-7 * static_cast<double>(widths.size());
+}
+
+/// Widths, between those that are tried first.
+int coarse_step(const std::vector<WidthChoice>& widths) {
+  return std::max(1, static_cast<int>(widths.size()) / 8);
+}
+
+/// The same, for those that are tried last where feeds are chosen: thresholds of programmed feeds are none of them.
+int finest_step(const std::vector<WidthChoice>& widths, const Filter& filter) {
+  return std::max(1, static_cast<int>(widths.size()) / std::max(1, 4 * filter.order()));
+}
+
+/// The widest with the fewest samples; null: none has a time.
+const WidthChoice* best_of(const std::vector<WidthChoice>& widths) {
+  const auto best = std::ranges::min_element(widths, {}, &WidthChoice::samples);
+  return best != widths.end() && best->samples < unlimited ? &*best : nullptr;
+}
+
+/// The last that is no narrower.
+int nearest_to(const std::vector<WidthChoice>& widths, double width) {
+  const auto narrower =
+      std::ranges::find_if(widths, [&](const WidthChoice& choice) { return choice.width < width * (1.0 - 1e-9); });
+  return std::max(0, static_cast<int>(narrower - widths.begin()) - 1);
 }
 
 }  // namespace
@@ -53,8 +78,7 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     time += path.duration[b];
     if (path.joint[b] == Joint::stop && b + 1 < path.blocks()) ++stops_;
     if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
-    const bool by_axis = task.settings && task.settings->in_position_by_axis;
-    step_ = std::max(step_, sample_way(path, b, task.sample_period, by_axis));
+    joints_.push_back({sample_way(path, b, task.sample_period, by_axis()), 0});
   }
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (path.rapid[b] == 0) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
@@ -83,32 +107,33 @@ bool SettingsTrials::guesses_kept() const {
   return keep_ || path_.blocks() <= small_program;
 }
 
+bool SettingsTrials::by_axis() const {
+  return task_.settings && task_.settings->in_position_by_axis;
+}
+
 bool SettingsTrials::has_widths() const {
-  return task_.settings->names(DelayKind::in_position) && step_ > 0.0;
+  return task_.settings->names(DelayKind::in_position) && !joints_.empty();
 }
 
-double SettingsTrials::width_of(const Filter& filter, int delay) const {
-  const double more = delay > 0 ? filter.remaining_moment(delay - 1) : filter.remaining_moment(0) + 1.0;
-  return 0.5 * step_ * (filter.remaining_moment(delay) + more);
+std::vector<WidthChoice> SettingsTrials::widths_of(const Filter& filter) const {
+  const ControlDelays control = control_of(*task_.settings, 0.0);
+  if (!guesses_kept()) return width_choices(control, filter, joints_);
+  return PairwiseTimes(path_, filter, task_.sample_period, machine_, effort_, by_axis(), true).widths(control);
 }
 
-/// Steps around a delay of the fastest corner that are halved.
+/// Steps around a width that are halved.
+/// @param finest  the last of them
 template <class Time>
-void SettingsTrials::search_width(const Filter& filter, int from, int step, const Time& time,
-                                  TimedSetting& best) const {
-  for (; step >= 1; step /= 2) {
-    for (const int delay : {from - step, from + step}) {
-      if (delay < 0 || delay > filter.order() || effort_.over()) continue;
-      const double width = width_of(filter, delay), samples = time(planned_control(*task_.settings, width));
-      if (samples < best.samples) best = {samples, width}, from = delay;
+void SettingsTrials::search_width(const std::vector<WidthChoice>& widths, int from, int step, int finest,
+                                  const Time& time, TimedSetting& best) const {
+  for (; step >= finest; step /= 2) {
+    for (const int at : {from - step, from + step}) {
+      if (at < 0 || at >= std::ssize(widths) || effort_.over()) continue;
+      const double width = widths[static_cast<std::size_t>(at)].width;
+      const double samples = time(planned_control(*task_.settings, width));
+      if (samples < best.samples) best = {samples, width}, from = at;
     }
   }
-}
-
-int SettingsTrials::delay_at(const Filter& filter, double width) const {
-  int delay = filter.order();
-  while (delay > 0 && width_of(filter, delay) < width * (1.0 - 1e-9)) --delay;
-  return delay;
 }
 
 double SettingsTrials::any(const Filter& set, double enough) const {
@@ -119,7 +144,7 @@ double SettingsTrials::any(const Filter& set, double enough) const {
 }
 
 double SettingsTrials::kept(const Filter& filter, double enough) const {
-  const PairwiseTimes times(path_, filter, task_.sample_period, machine_, effort_, false);
+  const PairwiseTimes times(path_, filter, task_.sample_period, machine_, effort_, by_axis(), false);
   if (!times.curves_delayed()) return times.any();
   // Lower feeds on curves may take less time than delays.
   const double spread = std::sqrt(tap_variance(filter)), least = times.any_slowed(lost_.least(spread));
@@ -134,49 +159,66 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   if (!behind || control.any()) return {any, 0.0};
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
-  if (guesses_kept()) pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_, true);
+  if (guesses_kept()) pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_, by_axis(), true);
   const auto time = [&](const ControlDelays& with) {
     const double chosen = keep_ ? unlimited : scheduled(filter, with);
     return pairwise ? std::min(chosen, pairwise->with(with)) : chosen;
   };
   TimedSetting best{time(control), 0.0};
   if (!has_widths()) return best;
-  const auto take = [&](int delay) {
-    const double at = width_of(filter, delay), samples = time(planned_control(*task_.settings, at));
+  const std::vector<WidthChoice> widths = pairwise ? pairwise->widths(control_of(*task_.settings, 0.0))
+                                                   : width_choices(control_of(*task_.settings, 0.0), filter, joints_);
+  effort_.spend(work_of_widths(widths));
+  if (const WidthChoice* kept = pairwise ? best_of(widths) : nullptr; kept != nullptr && kept->samples < best.samples)
+    best = {kept->samples, kept->width};
+  if (keep_ || widths.empty()) return best;
+  const auto take = [&](int at) {
+    const double tried = widths[static_cast<std::size_t>(at)].width;
+    const double samples = time(planned_control(*task_.settings, tried));
     const bool better = samples < best.samples;
-    if (better) best = {samples, at};
+    if (better) best = {samples, tried};
     return better;
   };
-  const int coarse = coarse_delays(filter);
+  const int coarse = coarse_step(widths), finest = finest_step(widths, filter);
   if (width > 0.0) {
-    const int near = delay_at(filter, width);
+    const int near = nearest_to(widths, width);
     take(near);
-    search_width(filter, near, coarse, time, best);
+    search_width(widths, near, coarse, finest, time, best);
     return best;
   }
-  int middle = filter.order() / 2;
-  for (int delay = 0; delay <= filter.order() && !effort_.over(); delay += coarse) {
-    if (take(delay)) middle = delay;
+  int middle = static_cast<int>(widths.size()) / 2;
+  for (int at = 0; at < std::ssize(widths) && !effort_.over(); at += coarse) {
+    if (take(at)) middle = at;
   }
-  search_width(filter, middle, coarse / 2, time, best);
+  search_width(widths, middle, coarse / 2, finest, time, best);
   return best;
 }
 
-TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough) const {
+TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough, double than) const {
   const std::optional<Filter> filter = command(set);
   if (!filter) return {};
   const Deadline until = thorough ? with_one_plan(effort_.clock()) : effort_.clock();
   const ControlDelays control = planned_control(*task_.settings, guessed);
   TimedSetting best{planned(*filter, control, until), guessed};
-  if (control.any() || !has_widths()) return best;
-  if (!thorough || best.samples < unlimited) return best;
-  // The longest delays, which most limits allow, come first. A plan with short ones may hold by far lower feeds.
-  const int coarse = coarse_delays(*filter);
-  for (int delay = filter->order(); delay >= 0 && !effort_.over(); delay -= coarse) {
-    const double width = width_of(*filter, delay);
+  if (best.samples < unlimited || control.any() || !has_widths() || !(thorough || keep_)) return best;
+  const std::vector<WidthChoice> widths = widths_of(*filter);
+  const auto take = [&](int at) {
+    const double width = widths[static_cast<std::size_t>(at)].width;
     const double samples = planned(*filter, planned_control(*task_.settings, width), effort_.clock());
     if (samples < best.samples) best = {samples, width};
-  }
+    return samples < unlimited;
+  };
+  // The longest delays, which most limits allow, come first. Errors and limits then hold up to the widest that does.
+  const int wide = guessed > 0.0 ? nearest_to(widths, guessed) : -1;
+  int narrow = static_cast<int>(widths.size()) - 1;
+  const bool at_feed = keep_ && best_of(widths) != nullptr;
+  if (!thorough && !at_feed) return best;
+  while (at_feed && narrow > wide && !(widths[static_cast<std::size_t>(narrow)].samples < than)) --narrow;
+  if (narrow > wide && !effort_.over() && take(narrow))
+    least_held(wide, narrow, [&](int at) { return !effort_.over() && take(at); });
+  // A plan with short ones may hold by far lower feeds.
+  for (int at = narrow - coarse_step(widths); !at_feed && at >= 0 && !effort_.over(); at -= coarse_step(widths))
+    take(at);
   return best;
 }
 
@@ -184,9 +226,13 @@ TimedSetting SettingsTrials::refined(const Filter& set, const TimedSetting& plan
   const std::optional<Filter> filter = command(set);
   const bool any = planned_control(*task_.settings, planned.width).any();
   if (!filter || any || !has_widths() || !(planned.width > 0.0)) return planned;
+  const std::vector<WidthChoice> widths = widths_of(*filter);
+  const WidthChoice* const kept = keep_ ? best_of(widths) : nullptr;
+  if (widths.empty() || (kept != nullptr && planned.samples <= kept->samples)) return planned;
   TimedSetting best = planned;
   const auto time = [&](const ControlDelays& with) { return this->planned(*filter, with, effort_.clock()); };
-  search_width(*filter, delay_at(*filter, best.width), std::max(1, coarse_delays(*filter) / 2), time, best);
+  const int finest = keep_ ? 1 : finest_step(widths, *filter), coarse = std::max(finest, coarse_step(widths) / 2);
+  search_width(widths, nearest_to(widths, best.width), coarse, finest, time, best);
   return best;
 }
 

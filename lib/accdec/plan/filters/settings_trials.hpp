@@ -9,6 +9,7 @@
 #include <accdec/plan/filters/effort.hpp>
 #include <accdec/plan/filters/pairwise_times.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
+#include <accdec/plan/filters/width_choices.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
 
@@ -45,8 +46,10 @@ class SettingsTrials {
   TimedSetting guess(const Filter& set, double any, double width) const;
 
   /// Planned with a width.
-  /// @param thorough  if this width does not do, widths of all sizes are planned, and the best of them counts
-  TimedSetting plan(const Filter& set, double width, bool thorough) const;
+  /// @param thorough  if this width does not do, widths of all sizes are planned, and the best of them counts; at the
+  ///                  programmed feeds, the widest that does
+  /// @param than      samples; at the programmed feeds, widths whose guess takes as many are passed over
+  TimedSetting plan(const Filter& set, double width, bool thorough, double than) const;
   /// The same with the best of the widths around that of a plan.
   TimedSetting refined(const Filter& set, const TimedSetting& planned) const;
 
@@ -59,12 +62,12 @@ class SettingsTrials {
   std::optional<Filter> command(const Filter& set) const;
   bool has_widths() const;
   bool guesses_kept() const;  ///< at the programmed feeds, too
-  /// In the middle of the widths that give this delay at the fastest corner.
-  double width_of(const Filter& filter, int delay) const;
-  /// The delay of the fastest corner with a width.
-  int delay_at(const Filter& filter, double width) const;
+  bool by_axis() const;
+  /// All that differ at the programmed feeds.
+  std::vector<WidthChoice> widths_of(const Filter& filter) const;
   template <class Time>
-  void search_width(const Filter& filter, int from, int step, const Time& time, TimedSetting& best) const;
+  void search_width(const std::vector<WidthChoice>& widths, int from, int step, int finest, const Time& time,
+                    TimedSetting& best) const;
 
   const Toolpath& path_;
   const Task& task_;
@@ -74,8 +77,8 @@ class SettingsTrials {
   mutable KnownBySpread lost_;  // samples, by lower feeds on curves
   double feed_step_;            // see corner_feed_step_of
   double moving_ = 0.0, stops_ = 0.0;
-  double step_ = 0.0;     // m, of the fastest corner
-  double fastest_ = 0.0;  // m/s, programmed
+  std::vector<HeldJoint> joints_;  // corners as programmed
+  double fastest_ = 0.0;           // m/s, programmed
 };
 
 }  // namespace accdec

@@ -95,7 +95,8 @@ class Shapes {
     }
   }
 
-  /// Of the variance of the best Hann filter, and near it: equal ones, one half as long as the other, and a single one.
+  /// Equal ones, one half as long as the other, and a single one: their variance is that of the best Hann filter, or
+  /// near it.
   void offer_averages() {
     constexpr double hann_variance = 0.0327;  // 1/12 - 1/(2 pi^2), of its length squared
     const double length = hann_ > 0 ? hann_ + 1.0 : first_length / task_.sample_period;
