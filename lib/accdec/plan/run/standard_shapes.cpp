@@ -24,7 +24,6 @@ constexpr double work_max = 1e8;
 constexpr double cooling_trials = 40.0;  // plans simulated while one shape is cooled
 constexpr double first_length = 0.03;    // s, of the first Hann filter
 constexpr double coarse = 1.5;           // from each length to the next
-constexpr int losses_max = 3;            // in a row, before longer or shorter ones are left out
 constexpr int mending_rounds = 40;       // of mending chosen feeds
 constexpr int breaks_max = 3;            // plans of chosen feeds that do not hold, before none is made any more
 
@@ -70,28 +69,21 @@ class Shapes {
   bool over() const { return work_ > work_max || deadline_.over(); }
   double time_of_hann() const { return hann_ > 0 ? times_.at(hann_) : unlimited; }
 
-  /// @return whether it is the best Hann filter so far
-  bool try_hann(int order) {
-    if (order < std::max(2, task_.design.order_min) || order > task_.design.order_max) return false;
-    if (times_.contains(order) || over()) return false;
+  void try_hann(int order) {
+    if (order < std::max(2, task_.design.order_min) || order > task_.design.order_max) return;
+    if (times_.contains(order) || over()) return;
     const double time = times_[order] = time_of(make_filter({Shape::hann, order}), "hann");
-    if (!(time < time_of_hann())) return false;
-    hann_ = order;
-    return true;
+    if (time < time_of_hann()) hann_ = order;
   }
 
   void scan_hann() {
     const double first = std::clamp(first_length / task_.sample_period, std::max(2.0, 1.0 * task_.design.order_min),
                                     std::max(2.0, 1.0 * task_.design.order_max));
     try_hann(static_cast<int>(first));
-    int losses[2] = {0, 0};
-    for (double factor = coarse; (losses[0] < losses_max || losses[1] < losses_max) && !over(); factor *= coarse) {
-      const double orders[2] = {first * factor, first / factor};
-      if (orders[0] > task_.design.order_max && orders[1] < 2.0) break;
-      for (int i = 0; i < 2; ++i) {
-        if (losses[i] >= losses_max || orders[i] > task_.design.order_max) continue;
-        losses[i] = try_hann(static_cast<int>(orders[i])) ? 0 : losses[i] + (hann_ > 0 ? 1 : 0);
-      }
+    // Times may fall again far beyond a best one: none is left out.
+    for (double factor = coarse; first * factor <= task_.design.order_max || first / factor >= 2.0; factor *= coarse) {
+      try_hann(static_cast<int>(first * factor));
+      try_hann(static_cast<int>(first / factor));
     }
   }
 
