@@ -66,6 +66,7 @@ TEST(ProgramRatings, LowerFeedsNoMoreThanASweepOfThem) {
       const ProgramResult cool = planned(task, 1.0, 1.0, feeds);
       ASSERT_TRUE(cool.verification.feasible) << cool.message;
       EXPECT_LE(rms_of_x(cool, x), rating * (1.0 + 1e-9));
+      EXPECT_GE(rms_of_x(cool, x), 0.98 * rating);
       double best = unlimited;
       for (double all = 1.0; all > 0.3; all -= 0.05) {
         for (double across = 1.0; across > 0.3; across -= 0.02) {
@@ -82,9 +83,8 @@ ProgramResult profiles(const Task& task, double feed) {
   return run_profiles({"part.ngc", part_of(task.machine, feed, 1.0), task});
 }
 
-/// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes. Under a
-/// jerk limit, the last filter changes by whole samples with the acceleration. The search goes by steps of 5 %, and
-/// ends no farther than that from the best of the sweep.
+/// With and without a jerk limit. The sweep is over the feed of all lines and the acceleration of both axes. The plan
+/// is within 1 % of the best of it, and uses nearly all of the rating.
 TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
   for (const double jerk : {unlimited, 50.0}) {
     Task free = rubbing_task();
@@ -98,6 +98,7 @@ TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
       ASSERT_TRUE(cool.verification.feasible) << cool.message;
       EXPECT_STREQ(cool.plan.name(), "profiles");
       EXPECT_LE(rms_of_x(cool, x), rating * (1.0 + 1e-9));
+      EXPECT_GE(rms_of_x(cool, x), 0.98 * rating);
       EXPECT_GT(cool.cycle_time, warm.cycle_time);
       double best = unlimited;
       for (double feed = 1.0; feed > 0.3; feed -= 0.05) {
@@ -108,7 +109,7 @@ TEST(ProgramRatings, LowerFeedsAndAccelerationsOfProfiles) {
           if (slow.verification.feasible && rms_of_x(slow, x) <= rating) best = std::min(best, slow.cycle_time);
         }
       }
-      EXPECT_LE(cool.cycle_time, (jerk < unlimited ? 1.05 : 1.01) * best) << part << " of what it had, jerk " << jerk;
+      EXPECT_LE(cool.cycle_time, 1.01 * best) << part << " of what it had, jerk " << jerk;
     }
   }
 }

@@ -34,31 +34,47 @@ class CostOfErrors {
   int latency() const { return latency_; }  ///< samples, of an in-position check
   /// Raises delays to those that the errors need, until they cost as much as the room. @return whether they do
   bool raise(std::vector<int>& delays, double room, bool between) const {
-    bool dear = least(delays) >= room;
+    std::vector<double> slower;  // samples of each corner at a part of the feed
+    for (std::size_t j = 0; j < delays.size(); ++j)
+      slower.push_back(ways_.slows(j) ? ways_.samples_of(ways_.largest_part()) : none);
+    bool dear = least(delays, slower) >= room;
     for (std::size_t j = 0; !dear && j < delays.size(); ++j) {
-      if (task_.corners[j].delay) continue;
-      delays[j] = std::max(delays[j], limits_.least_delay(granted_.corners[j], between));
-      dear = least(delays) >= room;
+      if (task_.corners[j].delay.value_or(0) > 0) continue;
+      const TaskCorner& corner = granted_.corners[j];
+      if (!task_.corners[j].delay) delays[j] = std::max(delays[j], limits_.least_delay(corner, between));
+      if (ways_.slows(j)) slower[j] = least_at_part(corner, between);
+      dear = least(delays, slower) >= room;
     }
     return dear;
   }
 
  private:
-  double least(const std::vector<int>& delays) const {
+  double least(const std::vector<int>& delays, const std::vector<double>& slower) const {
     double sum = 0.0;
-    for (std::size_t j = 0; j < delays.size(); ++j) sum += cost_.delay[j] * least_samples(j, delays[j]);
+    for (std::size_t j = 0; j < delays.size(); ++j)
+      sum += cost_.delay[j] * std::min(slower[j], least_by_delay(j, delays[j]));
     return sum;
   }
 
-  /// Samples that a corner costs at least. @param delay  shorter ones break its error
-  double least_samples(std::size_t j, int delay) const {
+  /// Samples that a corner costs at least at its feed. @param delay  shorter ones break its error
+  double least_by_delay(std::size_t j, int delay) const {
     const bool any = ways_.any_delay() || task_.corners[j].delay;
     double least = any ? delay : none;
     if (!any && ways_.kind(DelayKind::continuous) && delay == 0) least = 0.0;
     if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
     if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(delay, latency_));
-    if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
     return least;
+  }
+
+  /// Samples of the largest part of the feed at which the error may hold: it is in proportion to that.
+  double least_at_part(const TaskCorner& corner, bool between) const {
+    if (!corner.error_max) return ways_.samples_of(ways_.largest_part());
+    int far = ways_.largest_part() + 1, near = Ways::at_part;
+    while (far - near > 1) {
+      const int way = near + (far - near) / 2;
+      (limits_.too_far(corner, 0, between, ways_.part_of(way)) ? far : near) = way;
+    }
+    return near > Ways::at_part ? ways_.samples_of(near) : none;
   }
 
   const Task& task_;

@@ -74,7 +74,14 @@ std::optional<LimitKind> first_broken(const Axis& axis, const Sampled& s, std::i
   return kind;
 }
 
+bool has_loads(const Axis& axis) {
+  return std::min({axis.force_max, axis.power_max, axis.regeneration_max, axis.force_speed_max}) < unlimited;
+}
+
 std::optional<LimitKind> broken(const Axis& axis, const Sampled& sampled) {
+  constexpr std::size_t of_command = 3;
+  static_assert(axis_limits[of_command - 1].kind == LimitKind::jerk);
+  if (!has_loads(axis)) return first_broken(axis, sampled, std::make_index_sequence<of_command>{});
   return first_broken(axis, sampled, std::make_index_sequence<axis_limits.size()>{});
 }
 
@@ -202,6 +209,8 @@ std::optional<LimitKind> MemberLimits::broken_by_leg(const Steepness& steep, con
                                                      double out) const {
   const double period = granted_.sample_period, feed = std::max(std::abs(in), std::abs(out));
   if (steep.surely_holds(axis, feed, period)) return std::nullopt;
+  if (steep.tap * feed > axis.acceleration_max * period) return LimitKind::acceleration;
+  if (steep.step * feed > axis.jerk_max * period * period) return LimitKind::jerk;
   const FamilyMember &commanded = command(), &moved = motion();
   for (int k = 0; k <= longest_delay(); ++k) {
     const double now = tap(commanded, k - 1) / period, before = tap(commanded, k - 2) / period,
@@ -328,12 +337,11 @@ bool MemberLimits::broken_by_corner_feed(const TaskCorner& corner, double part) 
          step_breaks(g.direction_out, part * g.feed_out, g.feed_out);
 }
 
-/// At this delay and all shorter ones.
-bool MemberLimits::too_far(const TaskCorner& corner, int delay, bool between) const {
+bool MemberLimits::too_far(const TaskCorner& corner, int delay, bool between, double part) const {
   const FamilyMember& moved = motion();
   const Corner& g = corner.geometry();
   const double period = granted_.sample_period, cosine = g.cos_interior();
-  const double allowed = *corner.error_max * *corner.error_max * (1.0 + 1e-9);
+  const double allowed = std::pow(*corner.error_max / part, 2) * (1.0 + 1e-9);
   const int more = between ? 1 : 0;
   // Over a range of samples, leg 1 is at least as far away as at its end and leg 2 as at its beginning.
   const auto all_far = [&](const auto& self, int first, int last) -> bool {

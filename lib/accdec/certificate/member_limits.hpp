@@ -44,6 +44,8 @@ class MemberLimits {
   /// by sample. The nearest of all such positions therefore bounds the error of them all.
   /// @param between  the motion's positions between samples count, too
   int least_delay(const TaskCorner& corner, bool between = false) const;
+  /// Whether the error is too large at this delay and all shorter ones, at this part of both feeds.
+  bool too_far(const TaskCorner& corner, int delay, bool between, double part = 1.0) const;
 
  private:
   const FamilyMember& command() const { return command_ ? *command_ : member_; }
@@ -55,7 +57,6 @@ class MemberLimits {
   bool legs_hold_together(const Steepness& steep) const;
   std::optional<LimitKind> broken_by_leg(const Steepness& steep, const Axis& axis, double in, double out) const;
   double left(double frequency, double damping) const;
-  bool too_far(const TaskCorner& corner, int delay, bool between) const;
 
   const Task& granted_;
   const FamilyMember& member_;

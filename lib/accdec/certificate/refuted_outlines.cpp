@@ -80,14 +80,33 @@ struct Extent {
   int third() const { return order - (longest - 1) - (second - 1); }
 };
 
-/// The weight of the impulses up to so many samples behind one of them, that one included.
-double weight_within(const AveragesOutline& outline, std::size_t from, int samples) {
-  double sum = 0.0;
-  for (std::size_t i = from; i < outline.impulses.size(); ++i) {
-    const auto apart = static_cast<int>(outline.impulses[i].first - outline.impulses[from].first);
-    if (i == from || apart <= samples) sum += outline.impulses[i].second;
+/// The largest difference of neighbouring taps. The difference of two averages a >= b in series is 1/(a b) for b
+/// samples. From a samples after its beginning on, it is as much below 0 for b samples. The third one averages this
+/// over its length. The sum over all impulses is linear between the samples where one of these begins or ends.
+double largest_step(const AveragesOutline& outline, const Extent& all) {
+  const int third = all.third() + 1;
+  const auto passed = [&](int k) {  // samples of the difference up to k, those below 0 taken away
+    return std::clamp(k + 1, 0, all.second) - std::clamp(k + 1 - all.longest, 0, all.second);
+  };
+  double most = 0.0;
+  const auto look = [&](int k) {
+    double step = 0.0;
+    for (const auto& [at, w] : outline.impulses) {
+      const int since = k - static_cast<int>(at);
+      step += w * (passed(since) - passed(since - third));
+    }
+    most = std::max(most, std::abs(step));
+  };
+  const bool constant = third == 1;  // from one of these samples to the next
+  for (const auto& impulse : outline.impulses) {
+    for (unsigned set = 0; set < (constant ? 4U : 8U); ++set) {
+      const int k = static_cast<int>(impulse.first) + (set & 1U ? all.longest : 0) + (set & 2U ? all.second : 0) +
+                    (set & 4U ? third : 0);
+      look(k);
+      if (!constant) look(k - 1);
+    }
   }
-  return sum;
+  return most / (all.weight * third * all.longest * all.second);
 }
 
 }  // namespace
@@ -98,22 +117,23 @@ const char* RefutedOutlines::rule(const AveragesOutline& outline) const {
   for (const auto& [at, w] : outline.impulses) largest = std::max(largest, w);
   const bool plateau = all.longest > all.order - (all.longest - 1);
   if (largest / all.weight / (plateau ? all.longest : all.order + 1) > tap_max_ * surely) return "acceleration";
-  const int unchanged = all.second - 1 - all.third();  // samples later, by the third average
-  const double step = weight_within(outline, 0, unchanged) / all.weight / all.longest / all.second;
-  if (step > step_max_ * surely) return "jerk";
+  const double most = 1.0 / (static_cast<double>(all.longest) * all.second);
+  const double first = outline.impulses.front().second / all.weight * most;
+  if (first > step_max_ * surely) return "jerk";
+  if (most > step_max_ * surely && largest_step(outline, all) > step_max_ * surely) return "jerk";
   return rings(outline, all.weight) ? "vibration" : nullptr;
 }
 
 bool RefutedOutlines::legs_hold(const AveragesOutline& outline) const {
   const Extent all(outline);
-  double most = 0.0;
-  for (std::size_t i = 0; i < outline.impulses.size(); ++i)
-    most = std::max(most, weight_within(outline, i, all.second - 1));
-  const double tap = 1.0 / all.longest, step = most / all.weight / all.longest / all.second;
-  return std::all_of(legs_.begin(), legs_.end(), [&](const FastestLeg& leg) {
-    const double acceleration = leg.speed * tap / period_;
-    return surely_holds(*leg.axis, leg.speed, acceleration, leg.speed * step / period_, period_);
-  });
+  const auto hold = [&](double step) {
+    return std::all_of(legs_.begin(), legs_.end(), [&](const FastestLeg& leg) {
+      const double acceleration = leg.speed / all.longest / period_;
+      return surely_holds(*leg.axis, leg.speed, acceleration, leg.speed * step / period_, period_);
+    });
+  };
+  const double most = 1.0 / (static_cast<double>(all.longest) * all.second);
+  return hold(most) || (hold(0.0) && hold(largest_step(outline, all)));
 }
 
 bool RefutedOutlines::rings(const AveragesOutline& outline, double weight) const {

@@ -15,10 +15,8 @@ namespace accdec {
 /// those that need them.
 ///  * Some tap is at least the largest impulse's weight times the largest tap of the averages. This tap is 1 over the
 ///    longest average, if that one is as long as the others in series. Otherwise it is at least 1 over their number.
-///  * Neighbouring taps of the averages differ by 1 over the product of the two longest ones, a >= b: the difference of
-///    an average of length a is 1/a at its first sample, and then nothing until a samples later. Behind the third one,
-///    of length c, this lasts from sample c - 1 to b - 1. At sample b - 1 the first impulse's part is added to that of
-///    all impulses up to b - c samples later.
+///  * Neighbouring taps differ by at most 1 over the product of the two longest averages, and at least by the first
+///    impulse's part of that. In between, the difference is looked at where it may be largest.
 ///  * The rest of a vibration is a product, one factor for each average and one for the impulses.
 class RefutedOutlines {
  public:
@@ -29,7 +27,7 @@ class RefutedOutlines {
   /// The limit that is broken; null: none is seen.
   const char* rule(const AveragesOutline& outline) const;
   /// Whether every start and stop surely holds the limits. No tap is larger than 1 over the longest average. No two
-  /// neighbours differ by more than the impulses within the second longest, over the product of both.
+  /// neighbours differ by more than the rule says.
   bool legs_hold(const AveragesOutline& outline) const;
 
  private:

@@ -6,6 +6,8 @@
 #include <accdec/families/tap_range.hpp>
 #include <accdec/filter.hpp>
 #include <accdec/machine/response.hpp>
+#include <accdec/motion/least_held.hpp>
+#include <accdec/task/corner_feed.hpp>
 #include <accdec/task/limits_on_taps.hpp>
 #include <accdec/task/order_bound.hpp>
 #include <accdec/verify.hpp>
@@ -18,10 +20,11 @@ namespace {
 constexpr double resolution = 1e-8, resolution_behind_a_response = 1.0 / 256.0;
 
 /// Whether the corner's error bound may hold at this delay, up to rounding. @param legs  a Cascade or a Filter
+/// @param part  of both feeds, to which the error is in proportion
 template <class Legs>
-bool may_hold_error(const Legs& legs, const TaskCorner& corner, double period, int delay) {
+bool may_hold_error(const Legs& legs, const TaskCorner& corner, double period, int delay, double part = 1.0) {
   const Corner& g = corner.geometry();
-  const double allowed = granted_error(*corner.error_max) * (1.0 + 1e-8);
+  const double allowed = granted_error(*corner.error_max) * (1.0 + 1e-8) / part;
   return may_hold_error(legs, g.cos_interior(), g.feed_in * period, g.feed_out * period, delay, allowed);
 }
 
@@ -108,11 +111,8 @@ void FamilySearch::order(int n) {
 
 void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec& spec) {
   if (slow_.covers(lengths, spec)) return;
-  if (!spec.whole_pairs()) {
-    if (!refusals_.refuses(lengths, spec) && !too_slow(lengths, spec) && !late()) offer(spec);
-    return;
-  }
   if (cheap_refusal(lengths, spec) || late()) return;  // of a million taps one takes 10 ms
+  if (!spec.whole_pairs()) return offer(spec);
   const std::vector<double> taps = cascade_taps(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer);
   double sum = static_cast<double>(1 << spec.pairs);
   for (const int length : lengths) sum *= length;
@@ -124,20 +124,12 @@ bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec&
   if (refusals_.refuses(lengths, spec)) return true;
   if (spec.full_order() > Cascade::order_max) return false;
   const Cascade cascade(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer);
-  if (refusals_.fails_likewise(cascade)) return true;
-  const bool slow = too_slow(cascade, spec.full_order(), 0);
-  if (slow) slow_.remember(lengths, spec, false);
-  return slow;
-}
-
-/// The same of impulses between samples. With those at whole samples that are nearer to each other, the legs are no
-/// farther from the corner at any time. Between two samples they are as far as at the later one with one more sample
-/// of delay.
-bool FamilySearch::too_slow(std::span<const int> lengths, const FilterSpec& spec) {
-  if (spec.full_order() > Cascade::order_max) return false;
-  const bool slow =
-      too_slow(Cascade(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer), spec.full_order(), 1);
-  if (slow) slow_.remember(lengths, spec, true);
+  const bool whole = spec.whole_pairs();
+  if (whole && refusals_.fails_likewise(cascade)) return true;
+  // With impulses between samples, the legs are at least as far from the corner as with those at whole samples that are
+  // nearer to each other. Between two samples they are as far as at the later one with one more sample of delay.
+  const bool slow = too_slow(cascade, spec.full_order(), whole ? 0 : 1);
+  if (slow) slow_.remember(lengths, spec, !whole);
   return slow;
 }
 
@@ -160,27 +152,40 @@ void FamilySearch::offer(const FilterSpec& spec) {
 /// Whether the delays that the corners' error bounds need cost too much together. @param spare  samples that they are
 /// shorter than those of the cascade
 bool FamilySearch::too_slow(const Cascade& cascade, int order, int spare) const {
-  if (cheapest_ == unlimited || by_feed_) return false;
   double room = cheapest_ - cost_(order, least_delays_);
-  for (std::size_t j = 0; j < task_.corners.size(); ++j) {
-    const TaskCorner& corner = on_taps_->corners[j];
-    if (corner.delay || !corner.error_max) continue;
-    const auto may_hold = [&](int delay) {
-      return may_hold_error(cascade, corner, task_.sample_period, delay + spare);
-    };
-    int low = least_delays_[j], high = low + static_cast<int>(std::min(room / cost_.delay[j] * (1.0 + 1e-9), 1e8));
-    if (!may_hold(high)) return true;
-    // The others have what this corner leaves of the room.
-    while (low < high && j + 1 < task_.corners.size()) {
-      const int middle = low + (high - low) / 2;
-      if (may_hold(middle))
-        high = middle;
-      else
-        low = middle + 1;
-    }
-    if (j + 1 < task_.corners.size()) room -= cost_.delay[j] * (high - least_delays_[j]);
+  for (std::size_t j = 0; j < task_.corners.size() && room >= 0.0; ++j) {
+    if (task_.corners[j].delay) continue;
+    const double most = std::min(room / cost_.delay[j] * (1.0 + 1e-9), 1e8);
+    const double more = least_samples(j, cascade, order, spare, least_delays_[j] + most) - least_delays_[j];
+    if (more > most) return true;
+    room -= cost_.delay[j] * more * (1.0 - 1e-9);
   }
   return false;
+}
+
+/// The samples that a corner costs at least with a cascade; more than `most` if it is more.
+double FamilySearch::least_samples(std::size_t j, const Cascade& cascade, int order, int spare, double most) const {
+  const TaskCorner& corner = on_taps_->corners[j];
+  const auto names = [&](DelayKind kind) { return task_.settings && task_.settings->names(kind); };
+  const bool any = !task_.settings || task_.settings->delays.empty() || task_.settings->any_delay();
+  const auto may_hold = [&](int delay, double part) {
+    return !corner.error_max || may_hold_error(cascade, corner, task_.sample_period, delay + spare, part);
+  };
+  const int shortest = least_delays_[j];
+  const bool wait = any || names(DelayKind::in_position);
+  if (wait && cheapest_ == unlimited) return shortest;
+  if (!any && names(DelayKind::continuous) && shortest == 0 && may_hold(0, 1.0)) return 0.0;
+  double least = unlimited;
+  if (const int longest = static_cast<int>(most); wait && longest >= shortest && may_hold(longest, 1.0))
+    least = least_held(shortest - 1, longest, [&](int delay) { return may_hold(delay, 1.0); });
+  if (!any && names(DelayKind::exact_stop)) least = std::min<double>(least, order);
+  if (by_feed_) {
+    const double step = task_.settings->corner_feed_step;
+    const int parts = corner_feed_multiples(step);
+    const int slower = least_held(-1, parts, [&](int by) { return may_hold(0, (parts - by) * step); });
+    if (slower < parts) least = std::min(least, corner_feed_loss((parts - slower) * step, corner_feed_lead(order, 0)));
+  }
+  return least;
 }
 
 /// Branch and bound over the one real parameter of a shape.

@@ -40,8 +40,8 @@ class FamilySearch {
   void offer(const FilterSpec& spec);
   void offer_cascade(std::span<const int> lengths, const FilterSpec& spec);
   bool cheap_refusal(std::span<const int> lengths, const FilterSpec& spec);
-  bool too_slow(std::span<const int> lengths, const FilterSpec& spec);
   bool too_slow(const Cascade& cascade, int order, int spare) const;
+  double least_samples(std::size_t j, const Cascade& cascade, int order, int spare, double most) const;
 
   const Task& task_;
   std::shared_ptr<const Task> on_taps_;  ///< the limits by which filters are refused before their motion is looked at

@@ -196,6 +196,12 @@ bool QuickRefusals::fails_likewise(const Cascade& cascade) const {
 bool QuickRefusals::refuses(const Filter& filter, const std::function<bool()>& late) {
   if (*std::max_element(filter.taps().begin(), filter.taps().end()) > bounds_.most) return true;
   if (refused_behind(filter.taps(), 1.0)) return true;
+  for (Tone& tone : tones_) {
+    const double frequency = tone.phase / (2.0 * pi * on_taps_.sample_period);
+    if (residual_vibration(filter, frequency, on_taps_.sample_period) <= tone.residual_max * slack + 1e-12) continue;
+    std::swap(tone, tones_.front());
+    return true;
+  }
   for (const LimitUse& use : vibration_utilisation(filter, on_taps_.sample_period, on_taps_.machine, late)) {
     if (use.utilisation <= slack) continue;
     // Tones are undamped. If the vibration dies away, other filters may leave less of it.

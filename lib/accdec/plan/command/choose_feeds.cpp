@@ -75,6 +75,16 @@ void round_runs(const Toolpath& path, std::vector<FeedPiece>& pieces, double sam
   }
 }
 
+/// Slows a straight leg towards the feed that servos which differ reach from rest within the contour.
+/// @param had  part of its feed before  @param use  of the contour, > 1
+/// @return whether it was faster
+bool slow_leg(FeedPath& feeds, std::size_t b, double had, double use) {
+  if (!(had > feeds.least_part[b])) return false;
+  const double slower = had * std::min(1.0 / use, 0.97);
+  feeds.part[b] = std::min(feeds.part[b], std::max(feeds.least_part[b], slower));
+  return true;
+}
+
 /// Chooses feeds, simulates them, and repairs what does not hold, round by round.
 class Scheduler {
  public:
@@ -93,7 +103,7 @@ class Scheduler {
         joints_(path.blocks()),
         chosen_(path.blocks()) {
     feeds_.part = parts_within_contour(path, behind_, sample_period);
-    least_part_ = parts_from_rest(path, behind_, sample_period);
+    feeds_.least_part = parts_from_rest(path, behind_, sample_period);
     for (std::size_t b = 0; b < path.blocks(); ++b)
       joints_[b].tolerance = std::min(path.tolerance[b], error_in_contour(b));
     for (const auto& [block, delay] : path.given_delays) {
@@ -238,7 +248,14 @@ class Scheduler {
     }
     const std::vector<double> had = feeds_.part;
     for (const Simulation::OffPath& off : plan.plan.simulation.off) {
-      if (slow_legs(off, had)) continue;
+      bool slowed = false;
+      for (std::size_t i = std::max<std::size_t>(off.point, 1) - 1; i <= off.point && i < block_of_.size(); ++i) {
+        const std::size_t b = block_of_[i];
+        if (!slow_leg(feeds_, b, had[b], off.use)) continue;
+        joints_[b].choose = slowed = true;
+        if (b > 0) joints_[b - 1].choose = true;
+      }
+      if (slowed) continue;
       const bool joint =
           off.point > 0 && off.point < block_of_.size() && joints_[block_of_[off.point - 1]].extra < apart_;
       if (joint)
@@ -251,22 +268,6 @@ class Scheduler {
       if (block_of_[i] != before) mend_limit(block_of_[i]);
       before = block_of_[i];
     }
-  }
-
-  /// Slows the legs at a point to feeds that servos which differ reach from rest within the contour.
-  /// @return whether any was faster
-  /// @param had  parts of the feeds before this round
-  bool slow_legs(const Simulation::OffPath& off, const std::vector<double>& had) {
-    bool slowed = false;
-    for (std::size_t i = std::max<std::size_t>(off.point, 1) - 1; i <= off.point && i < block_of_.size(); ++i) {
-      const std::size_t b = block_of_[i];
-      if (!(had[b] > least_part_[b])) continue;
-      const double slower = had[b] * std::min(1.0 / off.use, 0.97);
-      feeds_.part[b] = std::min(feeds_.part[b], std::max(least_part_[b], slower));
-      joints_[b].choose = slowed = true;
-      if (b > 0) joints_[b - 1].choose = true;
-    }
-    return slowed;
   }
 
   void mend_error(std::size_t b, double part) {
@@ -300,8 +301,7 @@ class Scheduler {
   double feed_step_;  // part of the feeds; 0: any
   FeedWindow window_;
   FeedPath feeds_;
-  std::vector<double> least_part_;  // of the programmed feeds, that the contour asks for on straight legs
-  int apart_;                       // samples; with this delay or more a joint is passed at rest
+  int apart_;  // samples; with this delay or more a joint is passed at rest
   std::vector<JointState> joints_;
   std::vector<CornerFeed> chosen_;       // of every joint
   std::vector<std::uint32_t> block_of_;  // of every piece

@@ -20,10 +20,11 @@ struct FeedPiece {
 /// Straight blocks, as used by the choice of feeds.
 struct FeedPath {
   std::size_t dimensions = 0;
-  std::vector<double> direction;  ///< unit vectors, one row per block
-  std::vector<double> length;     ///< m, > 0
-  std::vector<float> margin;      ///< part of the limits' changes a block may use, 0 .. 1
-  std::vector<double> part{};     ///< of the programmed feeds that blocks may have; empty: all
+  std::vector<double> direction;     ///< unit vectors, one row per block
+  std::vector<double> length;        ///< m, > 0
+  std::vector<float> margin;         ///< part of the limits' changes a block may use, 0 .. 1
+  std::vector<double> part{};        ///< of the programmed feeds that blocks may have; empty: all
+  std::vector<double> least_part{};  ///< to which they may fall for the contour
   std::size_t blocks() const { return length.size(); }
 };
 

@@ -21,8 +21,8 @@ inline double excess_of(const std::vector<AxisLoad>& loads) {
   return sum;
 }
 
-/// Slows groups of a plan, all by one factor or step by step the group that cools drives most for its time. The faster
-/// plan of both is the result.
+/// Slows groups of a plan: all or one of them by one factor, or step by step the group that cools drives most for its
+/// time. The fastest plan is the result.
 /// @tparam Plan  with members `samples`, and `excess` as above; unlimited: it breaks a limit
 template <class Plan>
 class Cooling {
@@ -39,7 +39,7 @@ class Cooling {
 
   /// The fastest plan found whose drives are cool.
   std::optional<Plan> run() {
-    together();
+    for (std::size_t group = 0; group <= groups_; ++group) by_one_factor(group);
     apart();
     return std::move(best_);
   }
@@ -66,12 +66,15 @@ class Cooling {
     }
   }
 
-  /// All by one factor.
-  void together() {
+  /// All groups, or one alone, by one factor, unless that is slower than the best plan before it is cool.
+  void by_one_factor(std::size_t group) {
     double low = 1.0, high = 1.05;
-    while (high < factor_max && !deadline_.over() && !(slowed(first_, 0, high).excess <= 0.0))
+    while (high < factor_max && !deadline_.over() && (group == 0 || time_left())) {
+      const Plan trial = slowed(first_, group, high);
+      if (trial.excess <= 0.0) return least_factor(first_, group, low, high);
+      if (best_ && trial.samples >= best_->samples) return;
       low = high, high = std::pow(high, 1.4);
-    if (best_) least_factor(first_, 0, low, high);
+    }
   }
 
   /// Step by step the group that cools most for its time, or all of them.

@@ -179,8 +179,6 @@ class Planning {
   /// The plan as the result's.
   void take() {
     ProgramPlan& plan = best_.plan;
-    delays_had_ = plan.delays_had;
-    alone_ = std::move(plan.alone);
     result_.errors = std::move(plan.errors);
     result_.check.samples = plan.simulation.samples;
     result_.check.limits = std::move(plan.simulation.limits);
@@ -195,9 +193,9 @@ class Planning {
   }
 
   /// Whether the control can give the delays of the plan taken.
-  bool delays_had() const { return delays_had_; }
+  bool delays_had() const { return best_.plan.delays_had; }
   /// Its delays of joints alone, see ProgramPlan.
-  const std::vector<int>& alone() const { return alone_; }
+  const std::vector<int>& alone() const { return best_.plan.alone; }
 
   /// The times without delays and with exact stops, at the programmed feeds. If only the plan with chosen feeds was
   /// made, at its feeds.
@@ -330,8 +328,6 @@ class Planning {
   std::optional<double> kept_;                          // s, of that plan, which need not hold
   bool chosen_ = false;                                 // a plan of chosen feeds was found
   bool quiet_ = false;                                  // the best plan is, see quieten
-  bool delays_had_ = true;
-  std::vector<int> alone_;
 };
 
 }  // namespace

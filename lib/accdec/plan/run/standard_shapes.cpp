@@ -25,7 +25,7 @@ constexpr double cooling_trials = 40.0;  // plans simulated while one shape is c
 constexpr double first_length = 0.03;    // s, of the first Hann filter
 constexpr double coarse = 1.5;           // from each length to the next
 constexpr int losses_max = 3;            // in a row, before longer or shorter ones are left out
-constexpr int mending_rounds = 12;       // of mending chosen feeds
+constexpr int mending_rounds = 40;       // of mending chosen feeds
 constexpr int breaks_max = 3;            // plans of chosen feeds that do not hold, before none is made any more
 
 class Shapes {
