@@ -190,6 +190,21 @@ TEST_F(ProgramCommand, DwellsOfDaysAreDrawnAndAbsurdOnesRefused) {
   EXPECT_THAT(refused.err, HasSubstr("the dwell takes more than 1e9 s"));
 }
 
+/// From rest to v, four equal taps take v/(4 T). So 10^-11 m/s^2 leave a feed at which 4 m take 5 10^12 s.
+TEST_F(ProgramCommand, MovesLongerThanResultsMayHaveAreRefused) {
+  write("slow.toml",
+        "sample_period_ms = 20\n[[axis]]\nvelocity_max_mm_s = 300\nacceleration_max_mm_s2 = 1e-8\n"
+        "[filter]\nkind = \"boxcar\"\norder = 3\n[program]\nerror_max_um = 10\n");
+  write("slow.ngc", "F0.00026\nG1 X4000\nG1 X0\nM2\n");
+  const auto refused = run("program slow.ngc --task slow.toml --feeds keep --json r.json");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("line 2: at the feed that the limits leave, the move takes more than 1e9 s"));
+  // Chosen feeds rise from rest. Accelerations as small can be read again, though so many samples take too long.
+  ASSERT_EQ(run("program slow.ngc --task slow.toml --plan profiles --json r.json").code, 0) << read("err");
+  EXPECT_EQ(run("verify r.json").code, 1);
+  EXPECT_THAT(read("err"), HasSubstr("r.json: not checked: simulating the plan again would take about"));
+}
+
 // Two circles that touch, under G61: widened arcs hold their joint only at feeds far below those of arcs as they are.
 TEST_F(ProgramCommand, WideningArcsNeverTakesLonger) {
   write("arcs.toml",

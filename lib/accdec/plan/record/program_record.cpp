@@ -267,8 +267,9 @@ class Reader {
 
   static void check_chain(const Value& json, const ProfileChain& chain, const Toolpath& path) {
     constexpr double slack = 1e-9;
+    // A stretch is the reciprocal of an acceleration.
     const auto positive = [](double x) { return x > 0.0 && x < 1e15; };
-    const auto in_range = [](double x) { return x >= 0.0 && x < 1e9; };
+    const auto in_range = [](double x) { return x >= 0.0 && x < 1e15; };
     bool right = std::all_of(chain.ramp.begin(), chain.ramp.end(), positive);
     for (const auto* values : {&chain.feed, &chain.peak, &chain.speed, &chain.stretch, &chain.coast})
       right = right && std::all_of(values->begin(), values->end(), in_range);

@@ -72,8 +72,12 @@ CornerBound corner_bound_of(const Toolpath& path, const Task& task, const Deadli
   // Long proofs take as much time as a plan to check, and more room than it.
   constexpr std::size_t proof_blocks_max = 10'000;
   if (!any.proofs.empty() && path.blocks() <= proof_blocks_max) {
-    bound.proofs = std::move(any.proofs);
-    bound.proved = proved_time(path, machine, task.sample_period, bound.proofs);
+    try {
+      bound.proved = proved_time(path, machine, task.sample_period, any.proofs);
+      bound.proofs = std::move(any.proofs);
+    } catch (const std::invalid_argument&) {
+      // Multipliers that rounding spoils, as with 10^13 samples, prove nothing.
+    }
   }
   // It finds the least sum of multipliers closer than their search does.
   bound.any_motion = std::max(bound.any_motion, bound.proved);

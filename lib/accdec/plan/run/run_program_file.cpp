@@ -41,6 +41,19 @@ ProgramResult fixed_with_bounds(ProgramFile file, const Task& task, const Progra
   return result;
 }
 
+/// Feeds that had to be lowered may make a move longer than any that a program or a result may have.
+ProgramResult with_times_in_range(ProgramResult result) {
+  constexpr double longest = 1e9;  // s
+  const Toolpath& path = result.plan.path;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    if (path.duration[b] < longest) continue;
+    throw std::invalid_argument(
+        fmt::format("line {}: at the feed that the limits leave, the move takes more than 1e9 s; nothing is written",
+                    path.line[b]));
+  }
+  return result;
+}
+
 }  // namespace
 
 const std::vector<std::string>& plan_names() {
@@ -61,11 +74,11 @@ ProgramResult run_program_file(ProgramFile file, const Task& task, const Program
                                const std::function<void(const std::string&)>& tell) {
   if (task.settings) require_planned_taps(*task.settings);
   switch (options.plan) {
-    case PlanKind::profiles: return run_fastest_plan(file, task, options, tell);
-    case PlanKind::free: return run_free_plan(file, task, options, tell);
+    case PlanKind::profiles: return with_times_in_range(run_fastest_plan(file, task, options, tell));
+    case PlanKind::free: return with_times_in_range(run_free_plan(file, task, options, tell));
     case PlanKind::fixed: break;
   }
-  return fixed_with_bounds(std::move(file), task, options, tell);
+  return with_times_in_range(fixed_with_bounds(std::move(file), task, options, tell));
 }
 
 }  // namespace accdec
