@@ -12,6 +12,7 @@
 namespace accdec {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -73,6 +74,37 @@ TEST(SettingsRefused, NameNoDelayAsTheCureOfAControlThatHasCornerFeedsAlone) {
                                         "`corner_feed_step`, 0.005, has some that do, with any step and length: one "
                                         "average of 11 ms"));
   EXPECT_THAT(result.message, ::testing::Not(HasSubstr("and a delay")));
+}
+
+Task refused_corner_task(const std::string& more) {
+  return parse_task(
+      "sample_period_ms = 1\n[[axis]]\nacceleration_max_mm_s2 = 6000\njerk_max_mm_s3 = 500000\n"
+      "[[corner]]\nangle_deg = 95\nfeed_in_mm_min = 6000\nerror_max_um = 50\n" +
+          more,
+      "task");
+}
+
+TEST(SettingsRefused, ARestInACornerBreaksItsSmallestSpeed) {
+  const DesignResult rest = evaluate_task(
+      refused_corner_task("speed_min_mm_s = 8.9\ndelay_samples = 30\n[filter]\nkind = \"averages\"\nlengths = [20]\n"));
+  EXPECT_THAT(rest.message, HasSubstr("speed min: 0 mm/s, which must be at least 8.9 mm/s, at k ="));
+}
+
+TEST(SettingsRefused, ThatDoNotExistSayWhichLimitAndTheNearest) {
+  const DesignResult result = design_task(refused_corner_task("[design]\nfamily = \"averages\"\nlength_max_ms = 10\n"));
+  EXPECT_EQ(result.status, Status::infeasible);
+  EXPECT_THAT(result.message, HasSubstr("the closest, averages of 10 ms and 10 ms, breaks jerk"));
+  EXPECT_THAT(result.message, HasSubstr("averages of 17 ms and 13 ms"));
+  EXPECT_THAT(verify_result(result).reasons, IsEmpty());
+  EXPECT_THAT(
+      design_task(refused_corner_task("[design]\nfamily = \"averages\"\norder_max = 60\n[[mode]]\nfrequency_Hz = 40\n"
+                                      "damping_ratio = 0.02\nresidual_max = 0\n"))
+          .message,
+      ContainsRegex("breaks vibration: lets [0-9.]+ % of a mode through, which must be zero, at 40 Hz"));
+  // The same certificate is no proof for a control that may set more.
+  DesignResult forged = result;
+  for (SettableStage& stage : forged.task.settings->stages) stage.length_max = 0.0;
+  EXPECT_FALSE(verify_result(forged).accepted);
 }
 
 }  // namespace

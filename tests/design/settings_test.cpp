@@ -303,28 +303,6 @@ TEST(Settings, SurviveFiles) {
   }
 }
 
-TEST(Settings, ARestInACornerBreaksItsSmallestSpeed) {
-  const DesignResult rest = evaluate_task(
-      corner_task("speed_min_mm_s = 8.9\ndelay_samples = 30\n[filter]\nkind = \"averages\"\nlengths = [20]\n"));
-  EXPECT_THAT(rest.message, HasSubstr("speed min: 0 mm/s, which must be at least 8.9 mm/s, at k ="));
-}
-
-TEST(Settings, ThatDoNotExistSayWhichLimitAndTheNearest) {
-  const DesignResult result = design_task(corner_task("[design]\nfamily = \"averages\"\nlength_max_ms = 10\n"));
-  EXPECT_EQ(result.status, Status::infeasible);
-  EXPECT_THAT(result.message, HasSubstr("the closest, averages of 10 ms and 10 ms, breaks jerk"));
-  EXPECT_THAT(result.message, HasSubstr("averages of 17 ms and 13 ms"));
-  EXPECT_THAT(verify_result(result).reasons, IsEmpty());
-  EXPECT_THAT(design_task(corner_task("[design]\nfamily = \"averages\"\norder_max = 60\n[[mode]]\nfrequency_Hz = 40\n"
-                                      "damping_ratio = 0.02\nresidual_max = 0\n"))
-                  .message,
-              ContainsRegex("breaks vibration: lets [0-9.]+ % of a mode through, which must be zero, at 40 Hz"));
-  // The same certificate is no proof for a control that may set more.
-  DesignResult forged = result;
-  for (SettableStage& stage : forged.task.settings->stages) stage.length_max = 0.0;
-  EXPECT_FALSE(verify_result(forged).accepted);
-}
-
 /// 17 ms are 2.8333 10^-4 minutes. Nine decimals would be wrong by a part of 10^-6.
 TEST(Settings, OfLargeUnitsKeepTheirDigits) {
   const DesignResult result = design_task(parse_task(

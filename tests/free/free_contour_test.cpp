@@ -93,7 +93,7 @@ TEST(FreeContour, OfARightAngleIsThatOfACornerError) {
   const ProgramResult point = profiles_of(corner, task_of({}, unlimited), most * std::numbers::sqrt2);
   ASSERT_TRUE(sides.verification.feasible && point.verification.feasible);
   EXPECT_NEAR(sides.cycle_time, point.cycle_time, half_ms * (1.0 + 1e-9));
-  // Where both are given, the narrower one counts.
+  // The narrower one of both counts.
   const ProgramResult both = profiles_of(corner, task_of(most, unlimited), most);
   const ProgramResult narrow = profiles_of(corner, task_of({}, unlimited), most);
   EXPECT_EQ(both.cycle_time, narrow.cycle_time);
@@ -116,8 +116,8 @@ TEST(FreeContour, IsRefusedWhereItIsBroken) {
   EXPECT_THAT(verify_program_result(profiles, task).reasons, testing::Contains(testing::HasSubstr("contour")));
 }
 
-/// A leg of 20 mm from rest to rest at 0.2 m/s with 2 m/s^2: ramps of n = 200 samples. The second difference of samples
-/// of a constant acceleration a is a, and a/2 at both its ends: the squares of a ramp are those of n - 1/2 samples.
+/// A leg of 20 mm from rest to rest at 0.2 m/s with 2 m/s^2: ramps of n = 200 samples. Samples of a constant
+/// acceleration a have second differences a, and a/2 at both ends. The squares of a ramp are those of n - 1/2 samples.
 TEST(FreeContour, RatingsAreThoseOfAClosedForm) {
   Task task = task_of({}, unlimited);
   for (Axis& axis : task.machine.axes) axis.mass = 30.0;

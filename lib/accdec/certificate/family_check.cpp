@@ -22,6 +22,53 @@ namespace {
 constexpr const char* late = "it could not be checked in the time allowed";
 constexpr double none = std::numeric_limits<double>::infinity();
 
+/// The least that a member costs by the errors of its corners.
+class CostOfErrors {
+ public:
+  CostOfErrors(const Task& task, const Task& granted, const MemberLimits& limits, const Ways& ways)
+      : task_(task), granted_(granted), limits_(limits), ways_(ways), cost_(cost_of(task)) {
+    if (task.settings)
+      latency_ = static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period));
+  }
+
+  int latency() const { return latency_; }  ///< samples, of an in-position check
+  /// Raises delays to those that the errors need, until they cost as much as the room. @return whether they do
+  bool raise(std::vector<int>& delays, double room, bool between) const {
+    bool dear = least(delays) >= room;
+    for (std::size_t j = 0; !dear && j < delays.size(); ++j) {
+      if (task_.corners[j].delay) continue;
+      delays[j] = std::max(delays[j], limits_.least_delay(granted_.corners[j], between));
+      dear = least(delays) >= room;
+    }
+    return dear;
+  }
+
+ private:
+  double least(const std::vector<int>& delays) const {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < delays.size(); ++j) sum += cost_.delay[j] * least_samples(j, delays[j]);
+    return sum;
+  }
+
+  /// Samples that a corner costs at least. @param delay  shorter ones break its error
+  double least_samples(std::size_t j, int delay) const {
+    const bool any = ways_.any_delay() || task_.corners[j].delay;
+    double least = any ? delay : none;
+    if (!any && ways_.kind(DelayKind::continuous) && delay == 0) least = 0.0;
+    if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
+    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(delay, latency_));
+    if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
+    return least;
+  }
+
+  const Task& task_;
+  const Task& granted_;
+  const MemberLimits& limits_;
+  const Ways& ways_;
+  LinearCost cost_;
+  int latency_ = 0;
+};
+
 /// Refutes one member.
 class Refutation {
  public:
@@ -36,9 +83,8 @@ class Refutation {
         ways_(task, granted, member, limits),
         room_(room),
         stop_(stop),
-        cost_(accdec::cost_of(task)),
-        latency_(task.settings ? static_cast<int>(std::lround(task.settings->in_position_latency / task.sample_period))
-                               : 0),
+        cost_(cost_of(task)),
+        errors_(task, granted, limits, ways_),
         least_(std::move(least)) {}
 
   /// The rule that refutes it, or empty. @param late_by_errors  whether its errors are known to make it late
@@ -46,7 +92,7 @@ class Refutation {
     if (const auto limit = limits_.broken_by_legs()) return std::string(to_string(*limit));
     if (late_by_errors) return "delays";
     between_ = least_;
-    late_by_errors_ = raised(least_, false);
+    late_by_errors_ = errors_.raise(least_, room_, false);
     if (late_by_errors_) return "delays";
     if (limits_.rings()) return "vibration";
     bool simulated = false;
@@ -61,37 +107,9 @@ class Refutation {
   /// Whether that found its errors alone to make it late.
   bool late_by_errors() const { return late_by_errors_; }
   /// The same if the motion's positions between samples count, too.
-  bool late_between_samples() { return raised(between_, true); }
+  bool late_between_samples() { return errors_.raise(between_, room_, true); }
 
  private:
-  /// Raises delays to those that the errors need, until these make the member late.
-  bool raised(std::vector<int>& delays, bool between) const {
-    bool makes_late = cost_of(delays) >= room_;
-    for (std::size_t j = 0; !makes_late && j < delays.size(); ++j) {
-      if (!open(j)) continue;
-      delays[j] = std::max(delays[j], limits_.least_delay(granted_.corners[j], between));
-      makes_late = cost_of(delays) >= room_;
-    }
-    return makes_late;
-  }
-
-  double cost_of(const std::vector<int>& delays) const {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < delays.size(); ++j) sum += cost_.delay[j] * least_samples(j, delays[j]);
-    return sum;
-  }
-
-  /// Samples that a corner costs at least. @param delay  shorter ones break its error
-  double least_samples(std::size_t j, int delay) const {
-    const bool any = ways_.any_delay() || !open(j);
-    double least = any ? delay : none;
-    if (!any && ways_.kind(DelayKind::continuous) && delay == 0) least = 0.0;
-    if (!any && ways_.kind(DelayKind::exact_stop)) least = std::min<double>(least, ways_.apart());
-    if (!any && ways_.kind(DelayKind::in_position)) least = std::min<double>(least, std::max(delay, latency_));
-    if (ways_.slows(j)) least = std::min(least, ways_.samples_of(ways_.largest_part()));
-    return least;
-  }
-
   /// The cheapest way without a width; -1: none.
   int plain_way(std::size_t j) {
     const int delay = plain_delay(j, least_[j], room_);
@@ -155,7 +173,7 @@ class Refutation {
     const std::vector<double>& left = limits_.way_watched();
     const double way = way_of(j);
     const auto waits = [&](double to_go) { return way * to_go > width; };
-    return latency_ + static_cast<int>(std::partition_point(left.begin(), left.end(), waits) - left.begin());
+    return errors_.latency() + static_cast<int>(std::partition_point(left.begin(), left.end(), waits) - left.begin());
   }
   bool open(std::size_t j) const { return !task_.corners[j].delay; }
   /// Whether this width gives any corner a delay whose error may hold.
@@ -231,7 +249,7 @@ class Refutation {
   double room_;
   const std::function<bool()>& stop_;
   LinearCost cost_;
-  int latency_;               ///< samples, of an in-position check
+  CostOfErrors errors_;
   std::vector<int> least_;    ///< of each corner: every shorter delay breaks its error bound
   std::vector<int> between_;  ///< the same between samples, as far as it is known
   bool late_by_errors_ = false;

@@ -28,7 +28,7 @@ LateOutlines::Place LateOutlines::place_of(const AveragesOutline& outline) {
   return place;
 }
 
-/// What was late with shorter averages is late here.
+/// Members late with shorter averages are late here.
 void LateOutlines::enter(const std::vector<int>& before) {
   const std::size_t size = before.size(), at = size > 0 ? static_cast<std::size_t>(before.back()) : 0;
   const bool same_stages = asked_.before.size() == size && here_ != nullptr;

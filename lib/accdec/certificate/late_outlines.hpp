@@ -14,9 +14,9 @@ namespace accdec {
 ///
 /// Averages of more samples, and impulses farther apart, spread the taps around their middle: for every convex f,
 /// sum_i b_i f(i - M) is at least as large. Both ways of a corner are such sums, p(k) of f = max(i - k, 0) and q of
-/// f = max(m - i, 0). So each sample of the longer member is at least as far from the corner as the sample of the
-/// shorter one that is earlier by the difference of their mean delays, if that is whole. If it is not, the position
-/// lies between two samples. The longer member thus needs delays at least as long, and its filter costs more.
+/// f = max(m - i, 0). So the longer member is nowhere nearer to the corner than the shorter one was earlier, by the
+/// difference of their mean delays. If that is not whole, the earlier position lies between two samples. The longer
+/// member thus needs delays at least as long, and its filter costs more.
 class LateOutlines {
  public:
   /// Whether such a member was late. Outlines are asked about in the order of visit_family.

@@ -18,7 +18,7 @@ namespace accdec {
 ///  * Neighbouring taps of the averages differ by 1 over the product of the two longest ones, a >= b: the difference of
 ///    an average of length a is 1/a at its first sample, and then nothing until a samples later. Behind the third one,
 ///    of length c, this lasts from sample c - 1 to b - 1. At sample b - 1 the first impulse's part is added to that of
-///    all impulses up to b - c samples later, and nothing is taken away.
+///    all impulses up to b - c samples later.
 ///  * The rest of a vibration is a product, one factor for each average and one for the impulses.
 class RefutedOutlines {
  public:
@@ -28,7 +28,7 @@ class RefutedOutlines {
 
   /// The limit that is broken; null: none is seen.
   const char* rule(const AveragesOutline& outline) const;
-  /// Whether every start and stop surely holds the limits: no tap is larger than 1 over the longest average, and no two
+  /// Whether every start and stop surely holds the limits. No tap is larger than 1 over the longest average. No two
   /// neighbours differ by more than the impulses within the second longest, over the product of both.
   bool legs_hold(const AveragesOutline& outline) const;
 

@@ -107,8 +107,9 @@ void FamilySearch::order(int n) {
 }
 
 void FamilySearch::offer_cascade(std::span<const int> lengths, const FilterSpec& spec) {
+  if (slow_.covers(lengths, spec)) return;
   if (!spec.whole_pairs()) {
-    if (!refusals_.refuses(lengths, spec) && !late()) offer(spec);
+    if (!refusals_.refuses(lengths, spec) && !too_slow(lengths, spec) && !late()) offer(spec);
     return;
   }
   if (cheap_refusal(lengths, spec) || late()) return;  // of a million taps one takes 10 ms
@@ -123,7 +124,21 @@ bool FamilySearch::cheap_refusal(std::span<const int> lengths, const FilterSpec&
   if (refusals_.refuses(lengths, spec)) return true;
   if (spec.full_order() > Cascade::order_max) return false;
   const Cascade cascade(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer);
-  return refusals_.fails_likewise(cascade) || too_slow(cascade);
+  if (refusals_.fails_likewise(cascade)) return true;
+  const bool slow = too_slow(cascade, spec.full_order(), 0);
+  if (slow) slow_.remember(lengths, spec, false);
+  return slow;
+}
+
+/// The same of impulses between samples. With those at whole samples that are nearer to each other, the legs are no
+/// farther from the corner at any time. Between two samples they are as far as at the later one with one more sample
+/// of delay.
+bool FamilySearch::too_slow(std::span<const int> lengths, const FilterSpec& spec) {
+  if (spec.full_order() > Cascade::order_max) return false;
+  const bool slow =
+      too_slow(Cascade(lengths, spec.pairs, static_cast<int>(spec.pair_delay), spec.outer), spec.full_order(), 1);
+  if (slow) slow_.remember(lengths, spec, true);
+  return slow;
 }
 
 void FamilySearch::offer(const FilterSpec& spec) {
@@ -142,14 +157,17 @@ void FamilySearch::offer(const FilterSpec& spec) {
   delays_ = *delays;
 }
 
-/// Whether the delays that the corners' error bounds need cost too much together.
-bool FamilySearch::too_slow(const Cascade& cascade) const {
+/// Whether the delays that the corners' error bounds need cost too much together. @param spare  samples that they are
+/// shorter than those of the cascade
+bool FamilySearch::too_slow(const Cascade& cascade, int order, int spare) const {
   if (cheapest_ == unlimited || by_feed_) return false;
-  double room = cheapest_ - cost_(cascade.order(), least_delays_);
+  double room = cheapest_ - cost_(order, least_delays_);
   for (std::size_t j = 0; j < task_.corners.size(); ++j) {
     const TaskCorner& corner = on_taps_->corners[j];
     if (corner.delay || !corner.error_max) continue;
-    const auto may_hold = [&](int delay) { return may_hold_error(cascade, corner, task_.sample_period, delay); };
+    const auto may_hold = [&](int delay) {
+      return may_hold_error(cascade, corner, task_.sample_period, delay + spare);
+    };
     int low = least_delays_[j], high = low + static_cast<int>(std::min(room / cost_.delay[j] * (1.0 + 1e-9), 1e8));
     if (!may_hold(high)) return true;
     // The others have what this corner leaves of the room.

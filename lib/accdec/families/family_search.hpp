@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <accdec/families/quick_refusals.hpp>
+#include <accdec/families/slow_members.hpp>
 #include <accdec/family.hpp>
 #include <accdec/task/delay_kinds.hpp>
 #include <accdec/task/objective.hpp>
@@ -39,7 +40,8 @@ class FamilySearch {
   void offer(const FilterSpec& spec);
   void offer_cascade(std::span<const int> lengths, const FilterSpec& spec);
   bool cheap_refusal(std::span<const int> lengths, const FilterSpec& spec);
-  bool too_slow(const Cascade& cascade) const;
+  bool too_slow(std::span<const int> lengths, const FilterSpec& spec);
+  bool too_slow(const Cascade& cascade, int order, int spare) const;
 
   const Task& task_;
   std::shared_ptr<const Task> on_taps_;  ///< the limits by which filters are refused before their motion is looked at
@@ -49,6 +51,7 @@ class FamilySearch {
   bool by_feed_;                   ///< corners may be passed at a part of the feed: an error then needs no delay
   std::vector<int> least_delays_;  ///< lower bounds for all filters within the limits
   QuickRefusals refusals_;
+  SlowMembers slow_;
   std::function<bool()> stop_now_;
   bool late_ = false;
   double cheapest_;

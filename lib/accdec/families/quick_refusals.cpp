@@ -29,6 +29,17 @@ double impulse_response(double phase, const FilterSpec& spec) {
   return std::abs(sum);
 }
 
+/// The weight of all impulses whose steps between taps add up, over that of the first. Behind the two longest averages,
+/// a step lasts as long as the second one. The third one takes its own length from that.
+double impulses_together(std::span<const int> lengths, const FilterSpec& spec) {
+  if (spec.pairs == 0 || lengths.size() < 2) return 1.0;
+  const double lasts = lengths[1] - (lengths.size() == 3 ? lengths[2] : 1), outer = spec.pairs == 1 ? 0.5 : spec.outer;
+  double sum = outer;
+  for (int m = 1; m <= spec.pairs && std::ceil(m * spec.pair_delay - shaper_snap) <= lasts; ++m)
+    sum += m == spec.pairs ? outer : 1.0 - 2.0 * outer;
+  return sum / outer;
+}
+
 /// Tones kept, those that filters rang at first.
 constexpr std::size_t most_tones = 100;
 
@@ -65,13 +76,11 @@ bool QuickRefusals::refuses(std::span<const int> lengths, const FilterSpec& spec
   double first = spec.pairs == 2 ? spec.outer : 1.0 / copies, rest = 0.0;
   for (const int length : lengths) rest += length - 1;
   rest -= lengths.front() - 1;
-  // The second difference of taps is as large as without the shortest of three averages, once that one is passed and
-  // before the second impulse comes.
-  const bool passed = lengths.size() == 3 && (spec.pairs == 0 || std::floor(spec.pair_delay) >= lengths.back());
-  for (const int length : passed ? lengths.first(2) : lengths) first /= length;
+  for (const int length : lengths.size() == 3 ? lengths.first(2) : lengths) first /= length;
   // An impulse between two samples is on both of them.
   if (!spec.whole_pairs()) ++rest;
-  if (first > bounds_.step || (first > bounds_behind_.step && step_stays(lengths, spec))) return true;
+  if (first * impulses_together(lengths, spec) > bounds_.step) return true;
+  if (first > bounds_behind_.step && step_stays(lengths, spec)) return true;
   // The longest average has a plateau if it is longer than the others together. With copies, no tap there is below its
   // share of the largest.
   const double largest =

@@ -34,6 +34,7 @@ class Members {
       allowed_.push_back(std::move(allowed));
       if (find_grid_family(family) != nullptr) break;  // it has one time
     }
+    for (std::size_t s = 1; s < lengths_.size(); ++s) as_before_.push_back(lengths_[s] == lengths_[s - 1]);
     current_.assign(lengths_.size(), 0);
     if (family == SettingFamily::one_pole) poles_ = all_poles(lengths_, task.design.order_max);
   }
@@ -85,8 +86,7 @@ class Members {
   /// Equal stages are in any order: their lengths fall. @param on  stages from here on that are not off
   bool stage(std::size_t s, int on, int left, const MemberVisitor& visit) {
     if (on > static_cast<int>(lengths_.size() - s)) return true;
-    const bool as_before = s > 0 && lengths_[s] == lengths_[s - 1];
-    const int most = as_before ? current_[s - 1] : left + 1;
+    const int most = s > 0 && as_before_[s - 1] ? current_[s - 1] : left + 1;
     if (s + 1 == lengths_.size()) {
       if (left + 1 > most || allowed_[s][static_cast<std::size_t>(left) + 1] == 0 || on != (left > 0 ? 1 : 0))
         return true;
@@ -115,7 +115,8 @@ class Members {
   double pair_delay_ = 0.0;
   std::vector<std::vector<int>> lengths_;  ///< of each stage, rising
   std::vector<std::vector<char>> allowed_;
-  std::vector<Poles> poles_;  ///< of the family one-pole
+  std::vector<bool> as_before_;  ///< of each stage from the second on: whether it is like the one before
+  std::vector<Poles> poles_;     ///< of the family one-pole
   std::vector<int> current_;
 };
 

@@ -72,10 +72,26 @@ double from_origin(const Point& from, const Point& to) {
 
 }  // namespace
 
+namespace {
+
+/// Distance of a point from the line.
+double off(const Point& point, const Eigen::VectorXd& direction) {
+  return (point - point.dot(direction) * direction).norm();
+}
+
+}  // namespace
+
 double off_line(const FilterBehind& behind, const Eigen::VectorXd& direction, double step) {
   Point lag = step * direction;
   for (Eigen::Index a = 0; a < lag.size(); ++a) lag[a] *= behind.motion(static_cast<std::size_t>(a)).mean_delay();
-  return (lag - lag.dot(direction) * direction).norm();
+  return off(lag, direction);
+}
+
+double off_line_after(const FilterBehind& behind, const Eigen::VectorXd& direction, double step, int k) {
+  Point gone = step * direction;
+  for (Eigen::Index a = 0; a < gone.size(); ++a)
+    gone[a] *= behind.motion(static_cast<std::size_t>(a)).elapsed_moment(k);
+  return off(gone, direction);
 }
 
 CornerMeasures measure(const FilterBehind& behind, const Corner& corner, int delay, double sample_period) {

@@ -14,6 +14,10 @@ CornerMeasures measure(const FilterBehind& behind, const Corner& corner, int del
 /// @param direction  of length 1  @param step  m, of a sample
 double off_line(const FilterBehind& behind, const Eigen::VectorXd& direction, double step);
 
+/// The same k samples after a start from rest. Steps of the feed that follow each other upwards from rest leave the
+/// line by no more than the largest of these: they are sums of such starts.
+double off_line_after(const FilterBehind& behind, const Eigen::VectorXd& direction, double step, int k);
+
 /// The corner error alone.
 double corner_error(const FilterBehind& behind, const Corner& corner, int delay, double sample_period);
 

@@ -92,6 +92,8 @@ class Scheduler {
         apart_(behind_.longest_order() + 2),
         joints_(path.blocks()),
         chosen_(path.blocks()) {
+    feeds_.part = parts_within_contour(path, behind_, sample_period);
+    least_part_ = parts_from_rest(path, behind_, sample_period);
     for (std::size_t b = 0; b < path.blocks(); ++b)
       joints_[b].tolerance = std::min(path.tolerance[b], error_in_contour(b));
     for (const auto& [block, delay] : path.given_delays) {
@@ -234,7 +236,9 @@ class Scheduler {
       const double error = plan.plan.errors[i], bound = plan.path.tolerance[i];
       if (!holds(error, bound)) mend_error(block_of_[i], bound / error);
     }
+    const std::vector<double> had = feeds_.part;
     for (const Simulation::OffPath& off : plan.plan.simulation.off) {
+      if (slow_legs(off, had)) continue;
       const bool joint =
           off.point > 0 && off.point < block_of_.size() && joints_[block_of_[off.point - 1]].extra < apart_;
       if (joint)
@@ -247,6 +251,22 @@ class Scheduler {
       if (block_of_[i] != before) mend_limit(block_of_[i]);
       before = block_of_[i];
     }
+  }
+
+  /// Slows the legs at a point to feeds that servos which differ reach from rest within the contour.
+  /// @return whether any was faster
+  /// @param had  parts of the feeds before this round
+  bool slow_legs(const Simulation::OffPath& off, const std::vector<double>& had) {
+    bool slowed = false;
+    for (std::size_t i = std::max<std::size_t>(off.point, 1) - 1; i <= off.point && i < block_of_.size(); ++i) {
+      const std::size_t b = block_of_[i];
+      if (!(had[b] > least_part_[b])) continue;
+      const double slower = had[b] * std::min(1.0 / off.use, 0.97);
+      feeds_.part[b] = std::min(feeds_.part[b], std::max(least_part_[b], slower));
+      joints_[b].choose = slowed = true;
+      if (b > 0) joints_[b - 1].choose = true;
+    }
+    return slowed;
   }
 
   void mend_error(std::size_t b, double part) {
@@ -280,7 +300,8 @@ class Scheduler {
   double feed_step_;  // part of the feeds; 0: any
   FeedWindow window_;
   FeedPath feeds_;
-  int apart_;  // samples; with this delay or more a joint is passed at rest
+  std::vector<double> least_part_;  // of the programmed feeds, that the contour asks for on straight legs
+  int apart_;                       // samples; with this delay or more a joint is passed at rest
   std::vector<JointState> joints_;
   std::vector<CornerFeed> chosen_;       // of every joint
   std::vector<std::uint32_t> block_of_;  // of every piece

@@ -9,17 +9,49 @@
 
 namespace accdec {
 
+namespace {
+
+Eigen::VectorXd way_of(const Toolpath& path, std::size_t b) {
+  const auto n = static_cast<Eigen::Index>(path.dimensions());
+  return Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) - Eigen::Map<const Eigen::VectorXd>(path.point(b), n);
+}
+
+bool differ_within(const Toolpath& path, const FilterBehind& behind) {
+  return path.contour_max < unlimited && behind.differs();
+}
+
+}  // namespace
+
 std::vector<double> parts_within_contour(const Toolpath& path, const FilterBehind& behind, double sample_period) {
   std::vector<double> parts(path.blocks(), 1.0);
-  if (!(path.contour_max < unlimited) || !behind.differs()) return parts;
+  if (!differ_within(path, behind)) return parts;
   const double longest = behind.felt_order() * sample_period;
-  const auto n = static_cast<Eigen::Index>(path.dimensions());
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (path.duration[b] < longest) continue;
-    const Eigen::VectorXd way =
-        Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) - Eigen::Map<const Eigen::VectorXd>(path.point(b), n);
+    const Eigen::VectorXd way = way_of(path, b);
     const double off = off_line(behind, way.normalized(), way.norm() / path.duration[b] * sample_period);
     if (off > path.contour_max) parts[b] = path.contour_max / off;
+  }
+  return parts;
+}
+
+std::vector<double> parts_from_rest(const Toolpath& path, const FilterBehind& behind, double sample_period) {
+  std::vector<double> parts = parts_within_contour(path, behind, sample_period);
+  if (!differ_within(path, behind)) return parts;
+  for (std::size_t b = 0; b < path.blocks(); ++b) {
+    const Eigen::VectorXd way = way_of(path, b), direction = way.normalized();
+    const double length = way.norm(), samples = path.duration[b] / sample_period;
+    // The block is slowed until it lasts k samples without leaving the contour, or longer than the motion's filter.
+    double most = 0.0;  // of a start with 1 m a sample
+    for (int k = 0; k <= behind.longest_order(); ++k) {
+      most = std::max(most, off_line_after(behind, direction, 1.0, k));
+      if (k >= samples && length / k * most <= path.contour_max) {
+        most = 0.0;
+        parts[b] = std::min(parts[b], samples / std::max(samples, static_cast<double>(k)));
+        break;
+      }
+    }
+    if (most > 0.0) parts[b] = std::min(parts[b], path.contour_max / (most * length / samples));
   }
   return parts;
 }

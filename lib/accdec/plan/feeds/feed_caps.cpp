@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <accdec/motion/leg_distance.hpp>
-#include <accdec/plan/feeds/contour_feeds.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/feed_caps.hpp>
 #include <accdec/task/corner_feed.hpp>
@@ -43,7 +42,6 @@ FeedCaps::FeedCaps(const Toolpath& path, const FeedPath& feeds, const FilterBehi
       finder_(motion_),
       arcs_(path, feeds, behind, window, sample_period),
       steady_(path, feeds, behind, sample_period),
-      within_contour_(parts_within_contour(path, behind, sample_period)),
       acceleration_(path.blocks(), unlimited),
       known_(path.blocks()) {
   const std::size_t n = feeds.dimensions;

@@ -37,8 +37,10 @@ class FeedCaps {
   /// Largest constant speed with which the smooth joint at the end of block b is passed within its tolerance. The
   /// window that ends or begins there stays within the limits. Well inside an arc it is the arc's speed, see ArcCaps.
   double smooth(std::size_t b, double tolerance) const;
-  /// Speed of block b: that of the program, or the largest within the contour.
-  double feed(std::size_t b) const { return within_contour_[b] * feeds_.length[b] / path_.duration[b]; }
+  /// Speed of block b: that of the program, or the part of it that it may have.
+  double feed(std::size_t b) const {
+    return (feeds_.part.empty() ? 1.0 : feeds_.part[b]) * feeds_.length[b] / path_.duration[b];
+  }
 
   /// Pieces of the whole path with these speeds.
   /// @param joints  one a block
@@ -72,8 +74,7 @@ class FeedCaps {
   DelayFinder finder_;
   ArcCaps arcs_;
   SteadyPassing steady_;
-  std::vector<double> within_contour_;  // of every block, see parts_within_contour
-  std::vector<double> acceleration_;    // along every block, m/s^2
+  std::vector<double> acceleration_;  // along every block, m/s^2
   KnownCorners<CornerFeed> known_;
 };
 

@@ -23,6 +23,7 @@ struct FeedPath {
   std::vector<double> direction;  ///< unit vectors, one row per block
   std::vector<double> length;     ///< m, > 0
   std::vector<float> margin;      ///< part of the limits' changes a block may use, 0 .. 1
+  std::vector<double> part{};     ///< of the programmed feeds that blocks may have; empty: all
   std::size_t blocks() const { return length.size(); }
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -55,17 +56,23 @@ std::string beside_today(const ProgramResult& result) {
   return text + not_had;
 }
 
-/// How many joints have a delay of a kind. One of no samples is none.
-std::size_t joints_with(const ProgramResult& result, DelayKind kind) {
+/// "; exact-stop at 3 joints, 1 of them inside arcs": those that have a delay of a kind. One of no samples is none.
+std::string joints_with(const ProgramResult& result, DelayKindName kind) {
   const std::vector<DelayKind>& kinds = result.settings->chosen.delays;
   const FilteredCommand* command = result.plan.command();
-  const bool any = kind == DelayKind::dwell || kind == DelayKind::timed_axis;
-  std::size_t count = 0;
+  const std::vector<std::uint8_t>& inside_arc = result.plan.path.inside_arc;
+  const bool any = kind.kind == DelayKind::dwell || kind.kind == DelayKind::timed_axis;
+  std::size_t count = 0, inside = 0;
   for (std::size_t b = 0; b + 1 < kinds.size(); ++b) {
     const bool none = any && command != nullptr && b < command->delays.size() && command->delays[b] == 0;
-    count += kinds[b] == kind && !none ? 1 : 0;
+    if (kinds[b] != kind.kind || none) continue;
+    ++count;
+    if (b < inside_arc.size() && inside_arc[b] != 0) ++inside;
   }
-  return count;
+  if (count == 0) return "";
+  std::string text = fmt::format("; {} at {} joint{}", kind.name, count, count == 1 ? "" : "s");
+  if (inside > 0) text += fmt::format(", {} of them inside arcs", inside);
+  return text;
 }
 
 /// Taps to set, in the words of the filter that they are; empty: of none.
@@ -96,9 +103,7 @@ std::string program_settings_answer(const ProgramResult& result) {
                                                      : "Set these",
                                  program_settings_in_words(result));
   for (const DelayKindName& kind : delay_kinds) {
-    const std::size_t count = joints_with(result, kind.kind);
-    if (count > 0 && kind.kind != DelayKind::continuous)
-      text += fmt::format("; {} at {} joint{}", kind.name, count, count == 1 ? "" : "s");
+    if (kind.kind != DelayKind::continuous) text += joints_with(result, kind);
   }
   text += fmt::format(". {:.6g} s for this program, ", time);
   if (settings.chosen.family == SettingFamily::taps)

@@ -139,10 +139,10 @@ class MemberSearch {
     if (today != nullptr) {
       today_ = members_.same(*today);
       if (today_) offer(*today_);
-      for (const SettableMember& member : members_.like(*today)) offer(member);
+      for (const SettableMember& member : members_.like(*today)) look(member);
     }
     // One that holds at all feeds shows early which others are not faster.
-    for (const SettableMember& member : trials_.at_feed(members_)) offer(member);
+    for (const SettableMember& member : trials_.at_feed(members_)) look(member);
     if (best_) guesses_.of(*best_);
     guesses_.spread(members_, best_ ? &*best_ : nullptr, effort_.within(part_for_guesses));
     plan_guessed(first_planned);
@@ -213,11 +213,11 @@ class MemberSearch {
 
   /// Whether its guess is better than the best plan.
   bool promises(const SettableMember& member) {
-    return !late() && !hopeless(member) && guesses_.of(member).samples < time_.samples;
+    return !late() && trials_.least(member.order()) < time_.samples && guesses_.of(member).samples < time_.samples;
   }
 
   bool offer(const SettableMember& member) {
-    if (late() || planned_.contains(member.key()) || hopeless(member)) return false;
+    if (late() || planned_.contains(member.key()) || trials_.least(member.order()) >= time_.samples) return false;
     planned_.insert(member.key());
     if (effort_.over()) ++late_;
     const Filter filter = make_filter(member.spec);

@@ -4,16 +4,14 @@
 #include <utility>
 
 #include <accdec/machine/response.hpp>
+#include <accdec/motion/circle.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/command/limited_repair.hpp>
 #include <accdec/plan/command/slow_blocks.hpp>
 #include <accdec/plan/delays/control_delays.hpp>
-#include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
-#include <accdec/plan/feeds/curve_feeds.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/plan/filters/settings_trials.hpp>
-#include <accdec/simulate/command_stream.hpp>
 #include <accdec/verify.hpp>
 
 namespace accdec {
@@ -36,77 +34,10 @@ double work_of_waits(const Toolpath& path, const Filter& filter) {
   return path.control.width > 0.0 ? static_cast<double>(path.blocks()) * n * (1e-9 * n + 3e-8) : 0.0;
 }
 constexpr double repairs_a_block = 50.0;  // more than plans that hold need
-double work_of_pairs(const Toolpath& path) {
-  return 2e-5 + 6e-7 * static_cast<double>(path.blocks());
-}
-
 /// Samples, between delays that are tried first.
 int coarse_delays(const Filter& filter) {
   return std::max(1, filter.order() / 8);
 }
-
-/// m, of a full-speed sample of a block: the way that the control watches.
-double step_of(const Toolpath& path, std::size_t b, double period, bool by_axis) {
-  double longest = 0.0;
-  for (std::size_t a = 0; a < path.dimensions(); ++a)
-    longest = std::max(longest, std::abs(path.point(b + 1)[a] - path.point(b)[a]));
-  return (by_axis ? longest : path.length(b)) / path.duration[b] * period;
-}
-
-bool delays_curves(const Toolpath& path, const std::vector<int>& delays) {
-  for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-    if (!ends_leg(path, b) && delays[b] > 0) return true;
-  }
-  return false;
-}
-
-/// A program at its feeds, every corner with the delay that it needs by itself.
-class PairwiseTimes {
- public:
-  /// @param slow_curves  lower the feeds inside legs to those that need no delay
-  PairwiseTimes(Toolpath path, const Filter& filter, double period, const Machine& machine, const Deadline& deadline,
-                bool slow_curves)
-      : filter_(filter) {
-    ready_feeds(path, filter, period, machine);
-    PairwiseDelays delays = pairwise_delays(path, filter, period, machine);
-    if (slow_curves && delays_curves(path, delays.delays)) {
-      constexpr std::size_t most = 300'000;  // joints
-      const FilterBehind behind(filter, machine, period);
-      path.duration = curve_feeds(path, behind, period, delays.delays, path.duration, most).duration;
-      delays = pairwise_delays(path, filter, period, machine);
-    }
-    if (!delays.limits_possible) limit_feeds(path, filter, period, machine, delays, true, deadline);
-    const CommandTiming timing(path, period, delays.delays);
-    any_ = static_cast<double>(timing.command_samples() + filter.order() + 1);
-    for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
-      const bool passed = !ends_leg(path, b) && delays.delays[b] == 0;
-      if (passed || path.joint[b] == Joint::stop) continue;
-      joints_.push_back({step_of(path, b, period, false), step_of(path, b, period, true), delays.delays[b]});
-    }
-  }
-
-  double any() const { return any_; }
-
-  double with(const ControlDelays& control) const {
-    double samples = any_;
-    for (const Held& joint : joints_) {
-      const double step = control.by_axis ? joint.step_of_axis : joint.step;
-      const auto delay = control_delay(control, filter_, step, joint.delay);
-      if (!delay) return unlimited;
-      samples += *delay - joint.delay;
-    }
-    return samples;
-  }
-
- private:
-  struct Held {
-    double step, step_of_axis;  // m, of the leg that ends there, and of its fastest axis
-    int delay;
-  };
-  const Filter& filter_;
-  double any_ = 0.0;
-  std::vector<Held> joints_;
-};
 
 }  // namespace
 
@@ -123,7 +54,7 @@ SettingsTrials::SettingsTrials(const Toolpath& path, const Task& task, bool keep
     if (path.joint[b] == Joint::stop && b + 1 < path.blocks()) ++stops_;
     if (b + 1 == path.blocks() || path.joint[b] != Joint::corner) continue;
     const bool by_axis = task.settings && task.settings->in_position_by_axis;
-    step_ = std::max(step_, step_of(path, b, task.sample_period, by_axis));
+    step_ = std::max(step_, sample_way(path, b, task.sample_period, by_axis));
   }
   for (std::size_t b = 0; b < path.blocks(); ++b) {
     if (path.rapid[b] == 0) fastest_ = std::max(fastest_, path.length(b) / path.duration[b]);
@@ -184,11 +115,15 @@ double SettingsTrials::any(const Filter& set) const {
   const std::optional<Filter> filter = command(set);
   if (!filter) return unlimited;
   const double chosen = keep_ ? unlimited : scheduled(*filter, {});
-  if (guesses_kept()) effort_.spend(work_of_pairs(path_));
-  return guesses_kept()
-             ? std::min(chosen,
-                        PairwiseTimes(path_, *filter, task_.sample_period, machine_, effort_.clock(), false).any())
-             : chosen;
+  return guesses_kept() ? std::min(chosen, kept(*filter)) : chosen;
+}
+
+double SettingsTrials::kept(const Filter& filter) const {
+  const PairwiseTimes times(path_, filter, task_.sample_period, machine_, effort_, false);
+  if (!times.curves_delayed()) return times.any();
+  // Lower feeds on curves may take less time than delays.
+  const auto lost = [&] { return lost_on_curves(path_, filter, task_.sample_period, machine_, effort_); };
+  return std::min(times.any(), times.any_slowed(lost_.at(std::sqrt(tap_variance(filter)), lost)));
 }
 
 TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) const {
@@ -197,10 +132,7 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   if (!behind || control.any()) return {any, 0.0};
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
-  if (guesses_kept()) {
-    pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_.clock(), true);
-    effort_.spend(work_of_pairs(path_));
-  }
+  if (guesses_kept()) pairwise.emplace(path_, filter, task_.sample_period, machine_, effort_, true);
   const auto time = [&](const ControlDelays& with) {
     const double chosen = keep_ ? unlimited : scheduled(filter, with);
     return pairwise ? std::min(chosen, pairwise->with(with)) : chosen;

@@ -7,6 +7,7 @@
 #include <accdec/machine.hpp>
 #include <accdec/plan/command/choose_feeds.hpp>
 #include <accdec/plan/filters/effort.hpp>
+#include <accdec/plan/filters/pairwise_times.hpp>
 #include <accdec/plan/filters/settings_members.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/task.hpp>
@@ -51,6 +52,7 @@ class SettingsTrials {
  private:
   double planned(const Filter& filter, const ControlDelays& control, const Deadline& until) const;
   double scheduled(const Filter& filter, const ControlDelays& control) const;
+  double kept(const Filter& filter) const;  ///< samples guessed at the programmed feeds, with any delays
   /// The filter of the command, behind the control's own smoothing; none if it excites a mode too much.
   std::optional<Filter> command(const Filter& set) const;
   bool has_widths() const;
@@ -67,7 +69,8 @@ class SettingsTrials {
   Machine machine_;
   bool keep_;
   Effort& effort_;
-  double feed_step_;  // see corner_feed_step_of
+  mutable KnownBySpread lost_;  // samples, by lower feeds on curves
+  double feed_step_;            // see corner_feed_step_of
   double moving_ = 0.0, stops_ = 0.0;
   double step_ = 0.0;     // m, of the fastest corner
   double fastest_ = 0.0;  // m/s, programmed

@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t groups_max = 12;     // of blocks that are slowed together
 constexpr double trials_blocks_max = 5e6;  // blocks simulated while blocks are slowed
-constexpr double trials_max = 400.0;       // simulated plans
 
 std::vector<AxisLoad> loads_of(const ScheduledPlan& plan, const FilterBehind& behind, const Filter& filter,
                                double sample_period, const Machine& machine) {
@@ -61,9 +60,9 @@ struct Trial {
 
 }  // namespace
 
-bool cool_drives(ScheduledPlan& plan, const Filter& filter, double sample_period, const Machine& machine,
-                 const std::function<void(ScheduledPlan&)>& check, const Deadline& deadline) {
-  if (!all_holds(plan.plan) || !has_ratings(machine)) return false;
+Cooled cool_drives(ScheduledPlan& plan, const Filter& filter, double sample_period, const Machine& machine,
+                   const std::function<void(ScheduledPlan&)>& check, const Deadline& deadline, double trials_max) {
+  if (!all_holds(plan.plan) || !has_ratings(machine)) return Cooled::already;
   const FilterBehind behind(filter, machine, sample_period);
   const auto tried = [&](ScheduledPlan slower) {
     Trial trial{std::move(slower)};
@@ -73,7 +72,7 @@ bool cool_drives(ScheduledPlan& plan, const Filter& filter, double sample_period
     return trial;
   };
   Trial first = tried(plan);
-  if (first.excess <= 0.0) return false;
+  if (first.excess <= 0.0) return Cooled::already;
   const std::vector<std::size_t> group = groups_of(plan.path);
   const auto slower = [&](const Trial& from, std::size_t chosen, double factor) {
     ScheduledPlan trial{from.plan.path, {}};
@@ -87,7 +86,7 @@ bool cool_drives(ScheduledPlan& plan, const Filter& filter, double sample_period
   const double trials = std::min(trials_max, trials_blocks_max / static_cast<double>(group.size()));
   std::optional<Trial> found =
       Cooling<Trial>(std::move(first), *std::ranges::max_element(group), trials, slower, deadline).run();
-  if (!found) return false;
+  if (!found) return Cooled::failed;
   ScheduledPlan* const cool = &found->plan;
   std::size_t slowed = 0;
   for (std::size_t b = 0; b < plan.path.blocks(); ++b) slowed += cool->path.duration[b] > plan.path.duration[b] ? 1 : 0;
@@ -95,7 +94,7 @@ bool cool_drives(ScheduledPlan& plan, const Filter& filter, double sample_period
   cool->plan.rounds = plan.plan.rounds;
   cool->plan.slowed = std::max(plan.plan.slowed, slowed);
   plan = std::move(*cool);
-  return true;
+  return Cooled::slowed;
 }
 
 }  // namespace accdec

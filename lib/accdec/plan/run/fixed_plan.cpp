@@ -17,6 +17,7 @@
 #include <accdec/plan/filters/settings_for_program.hpp>
 #include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/fixed_plan.hpp>
+#include <accdec/plan/run/standard_shapes.hpp>
 #include <accdec/plan/run/todays_time.hpp>
 #include <accdec/program.hpp>
 #include <accdec/simulate.hpp>
@@ -185,17 +186,20 @@ void say_today(ProgramResult& result, Toolpath programmed, const Task& task, con
   result.today_breaks = std::move(today.breaks);
 }
 
-/// With arcs as they were read: widened where options.fixed.compensate_arcs says so.
-ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const Task& task,
-                           const ProgramFileOptions& options) {
+/// Whether the plan that keeps the feeds gets a filter of its own.
+bool plans_kept_too(const Toolpath& path, const ProgramFilter& choice, const Task& task,
+                    const ProgramFileOptions& options) {
+  return feeds_of(task, options.fixed.feeds) == Feeds::choose && choice.designed &&
+         path.blocks() <= several_plans_max && (!options.fixed.compensate_arcs || path.arcs.empty());
+}
+
+/// With one filter, and with arcs as they were read: widened where options.fixed.compensate_arcs says so.
+ProgramResult plan_with_filter(ProgramFile file, const ProgramFilter& choice, const Task& task,
+                               const ProgramFileOptions& options) {
   const Feeds asked = feeds_of(task, options.fixed.feeds);
   const bool finer = asked == Feeds::choose && !options.arc_tolerance && !file.path.arcs.empty() &&
                      file.path.blocks() <= several_plans_max && file.reading.read.arc_tolerance < longest_chords;
-  const bool kept = asked == Feeds::choose && choice.designed && file.path.blocks() <= several_plans_max &&
-                    (!options.fixed.compensate_arcs || file.path.arcs.empty());
-  const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
-  Toolpath programmed = says ? file.path : Toolpath{};
-  const double chords = file.reading.read.arc_tolerance;
+  const bool kept = plans_kept_too(file.path, choice, task, options);
   const bool families = choice.settings && task.settings->names_family();
   const Deadline deadline = families ? with_one_plan(options.deadline) : options.deadline;
   const auto plan = [&](ProgramFile read, Feeds feeds) {
@@ -208,8 +212,6 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   };
   // Kept feeds widen no arcs: they were planned with the program as it is commanded without.
   const bool widen = asked == Feeds::choose && options.fixed.compensate_arcs && !file.path.arcs.empty();
-  std::optional<ProgramFile> straight;
-  if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
   const Feeds feeds = widen ? Feeds::choose_only : kept ? Feeds::choose_fitting : asked;
   ProgramResult result = plan(std::move(file), finer ? Feeds::choose_only : feeds);
   double planning = result.solver.wall_time;
@@ -228,6 +230,19 @@ ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const 
   result.solver = choice.solver;
   result.solver.wall_time += planning;
   result.kept_same_filter = choice.designed || families;
+  return result;
+}
+
+/// As plan_with_filter, and at kept feeds with a filter for them; with what is said of settings.
+ProgramResult plan_as_read(ProgramFile file, const ProgramFilter& choice, const Task& task,
+                           const ProgramFileOptions& options) {
+  const bool kept = plans_kept_too(file.path, choice, task, options);
+  const bool says = (choice.settings || !control_of_taps(task).empty()) && file.path.blocks() <= several_plans_max;
+  Toolpath programmed = says ? file.path : Toolpath{};
+  const double chords = file.reading.read.arc_tolerance;
+  std::optional<ProgramFile> straight;
+  if (kept && std::ranges::count(file.path.inside_arc, 0) == std::ssize(file.path.inside_arc)) straight = file;
+  ProgramResult result = plan_with_filter(std::move(file), choice, task, options);
   if (kept && !options.deadline.over()) offer_kept(std::move(straight), task, options, result);
   if (choice.settings) say_settings(result, choice, task);
   if (result.settings && options.fixed.feeds == Feeds::keep) result.settings->breaks = breaks_at_feed(result.too_fast);
@@ -292,12 +307,50 @@ std::string compensation_note(const ProgramResult& plain, const ProgramResult& w
                          : fmt::format("widened, they take {:.6g} s", widened.cycle_time));
 }
 
+/// The program with the fastest standard shape. None if none holds, or if the filter is known.
+std::optional<ProgramResult> plan_with_shape(const ProgramFile& file, const Task& task,
+                                             const ProgramFileOptions& options, const Tell& tell) {
+  constexpr double part_of_search = 0.3, part_of_plan = 0.3;
+  const bool known = task.filter || (options.fixed.dwells_before_filter && emitted_filter(file.path));
+  if (known || task.settings || file.path.blocks() > several_plans_max || !needs_standard_shapes(file.path, task))
+    return {};
+  const bool keep = options.fixed.feeds == Feeds::keep;
+  const Deadline search = options.deadline.within(part_of_search * options.deadline.left());
+  const ProgramFilter shape = fastest_standard_shape(file.path, task, keep, search, tell);
+  if (!shape.filter) return {};
+  ProgramFileOptions own = options;
+  own.deadline = options.deadline.within(part_of_plan * options.deadline.left());
+  ProgramResult result = plan_with_filter(file, shape, task, own);
+  if (!result.verification.feasible) return {};
+  return result;
+}
+
+/// The faster one of the plan with a designed filter and that with a standard shape.
+ProgramResult faster_of(ProgramResult designed, std::optional<ProgramResult> shaped) {
+  if (!shaped) return designed;
+  const double wall_time = designed.solver.wall_time + shaped->solver.wall_time;
+  if (!designed.verification.feasible || shaped->cycle_time < designed.cycle_time) {
+    if (designed.cycle_time_kept && !(shaped->cycle_time_kept.value_or(unlimited) <= *designed.cycle_time_kept)) {
+      take_kept(designed, *designed.cycle_time_kept, *shaped);
+      shaped->kept_same_filter = false;
+    }
+    designed = std::move(*shaped);
+  }
+  designed.solver.wall_time = wall_time;
+  return designed;
+}
+
 /// With the filter that suits the program as it was read.
 ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramFileOptions& options, const Tell& tell) {
   const bool compared = task.settings && task.settings->names_family() && file.path.blocks() <= several_plans_max;
   const ProgramFile read = compared ? file : ProgramFile{};
   mark_waits(file.path, task);
-  const ProgramFilter choice = filter_for_program(file.path, task, options, tell);
+  std::optional<ProgramResult> shaped = plan_with_shape(file, task, options, tell);
+  ProgramFileOptions designing = options;
+  constexpr double part_of_design = 0.7;  // of what a plan with a standard shape left
+  if (shaped) designing.deadline = options.deadline.within(part_of_design * options.deadline.left());
+  const ProgramFilter choice = filter_for_program(file.path, task, designing, tell);
+  if (!choice.filter && shaped) return *shaped;
   if (!choice.filter) {
     ProgramResult none;
     static_cast<ProgramSubject&>(none) = subject_of(file.name, file.path, task);
@@ -308,7 +361,7 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
   }
   if (tell) tell("planning and simulating");
   const bool settings = choice.settings && compared;
-  ProgramResult result = plan_as_read(std::move(file), choice, task, options);
+  ProgramResult result = faster_of(plan_as_read(std::move(file), choice, task, options), std::move(shaped));
   if (settings && !result.plan.empty()) result = keep_today(std::move(result), choice, read, task, options);
   if (settings && !result.plan.empty() && !options.deadline.over())
     result.settings->free_taps = time_of_free_taps(result, read, task, options);

@@ -18,6 +18,7 @@
 #include <accdec/plan/delays/pairwise_delays.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/feeds/stretches.hpp>
+#include <accdec/plan/report/axis_loads.hpp>
 #include <accdec/plan/run/before_planning.hpp>
 #include <accdec/plan/run/cool_drives.hpp>
 #include <accdec/plan/run/other_rules.hpp>
@@ -152,13 +153,27 @@ class Planning {
     }
     if (!all_holds(best_.plan)) offer(stop_everywhere(path, filter_, task_.sample_period, machine_), feeds_chosen);
   }
-  /// Lowers all feeds where a drive would be warmer over the program than its rating.
+  /// Lowers all feeds where a drive would be warmer over the program than its rating. The fastest plan need not be the
+  /// one that is fastest once it is cool, so every plan that holds is cooled.
   void cool() {
     const auto again = [this](ScheduledPlan& plan) { check(plan); };
     // A plan that is too warm is none: it has a short time to cool if the limit ended before.
     const Deadline until = deadline_.over() ? Deadline(seconds_for_one_plan(best_.path)) : deadline_;
-    if (!cool_drives(best_, filter_, task_.sample_period, machine_, again, until)) return;
+    const auto cooled = [&](ScheduledPlan& plan) {
+      return cool_drives(plan, filter_, task_.sample_period, machine_, again, until);
+    };
+    const Cooled of_best = cooled(best_);
+    if (of_best == Cooled::already) return;
     result_.cycle_time_kept.reset();  // that plan was not held against the ratings
+    bool cool = of_best == Cooled::slowed;
+    for (auto& [plan, feeds_chosen] : beside_) {
+      const auto samples = plan.plan.simulation.samples;
+      if (plan.path.programmed.empty() != best_.path.programmed.empty()) continue;  // widened arcs are better
+      if ((cool && samples >= best_.plan.simulation.samples) || cooled(plan) == Cooled::failed) continue;
+      if (cool && plan.plan.simulation.samples >= best_.plan.simulation.samples) continue;
+      best_ = std::move(plan), cool = true;
+      result_.feeds_chosen = feeds_chosen;
+    }
     quieten(best_);
   }
   /// The plan as the result's.
@@ -288,7 +303,13 @@ class Planning {
     const bool widened = !plan.path.programmed.empty(), had_widened = !best_.path.programmed.empty();
     const bool faster = plan.plan.simulation.samples < best_.plan.simulation.samples;
     const bool better = quiet != quiet_ ? quiet : widened == had_widened ? faster : widened;
-    if (!first && !(all_holds(plan.plan) && (!all_holds(best_.plan) || better))) return;
+    const bool beside = has_ratings(machine_) && programmed_.blocks() <= several_plans_max;
+    if (!first && !(all_holds(plan.plan) && (!all_holds(best_.plan) || better))) {
+      if (beside && quiet && all_holds(plan.plan)) beside_.emplace_back(std::move(plan), feeds_chosen);
+      return;
+    }
+    if (beside && !first && quiet_ && all_holds(best_.plan))
+      beside_.emplace_back(std::move(best_), result_.feeds_chosen);
     best_ = std::move(plan);
     quiet_ = quiet;
     result_.feeds_chosen = feeds_chosen;
@@ -304,10 +325,11 @@ class Planning {
   const Machine& machine_;
   const Deadline& deadline_;
   ScheduledPlan best_;
-  Toolpath base_;               // planned at the programmed feeds
-  std::optional<double> kept_;  // s, of that plan, which need not hold
-  bool chosen_ = false;         // a plan of chosen feeds was found
-  bool quiet_ = false;          // the best plan is, see quieten
+  std::vector<std::pair<ScheduledPlan, bool>> beside_;  // other plans that hold, if drives have ratings; feeds chosen
+  Toolpath base_;                                       // planned at the programmed feeds
+  std::optional<double> kept_;                          // s, of that plan, which need not hold
+  bool chosen_ = false;                                 // a plan of chosen feeds was found
+  bool quiet_ = false;                                  // the best plan is, see quieten
   bool delays_had_ = true;
   std::vector<int> alone_;
 };
