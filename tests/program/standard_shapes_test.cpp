@@ -65,10 +65,10 @@ TEST(StandardShapes, AreNoSlowerThanGivenFiltersBehindServosThatDiffer) {
   expect_no_slower_than_given(lagging_task());
 }
 
-/// At constant feed v on a leg at 45 degrees, axes that lag by s and t are v |s - t|/2 off its line: that is the feed
-/// which the contour allows. Begun at rest, x lags by (1 - e^(-t/10 ms)) 10 ms and y by (1 - e^(-60 t)) 0.5/60 s. They
-/// are apart most where e^(-100 t) = e^(-60 t)/2, at t = 17.3 ms, by 1.71 times as much. No filter makes that worse, and
-/// corners cost less than that again: no plan needs three times the time of the legs at constant feed.
+/// At constant feed v on a leg at 45 degrees, axes that lag by s and t are v |s - t|/2 off its line. The contour
+/// allows that feed. Begun at rest, x lags by (1 - e^(-t/10 ms)) 10 ms and y by (1 - e^(-60 t)) 0.5/60 s. They
+/// are apart most where e^(-100 t) = e^(-60 t)/2, at t = 17.3 ms, by 1.71 times as much. No filter makes that worse,
+/// and corners cost less than that again: no plan needs three times the time of the legs at constant feed.
 TEST(StandardShapes, LegsBehindServosThatDifferKeepMostOfTheirFeed) {
   const Task task = lagging_task();
   const double lags = 1.0 / 100.0 - 0.5 / 60.0, feed = 2.0 * *task.program_contour_max / lags;

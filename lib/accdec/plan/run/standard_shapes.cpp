@@ -95,7 +95,7 @@ class Shapes {
     }
   }
 
-  /// Of the variance of the best Hann filter, and near it: equal ones, one half as long as the other, and a single one.
+  /// Averages near the variance of the best Hann filter: equal ones, one half as long as the other, and a single one.
   void offer_averages() {
     constexpr double hann_variance = 0.0327;  // 1/12 - 1/(2 pi^2), of its length squared
     const double length = hann_ > 0 ? hann_ + 1.0 : first_length / task_.sample_period;
