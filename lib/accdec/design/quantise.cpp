@@ -116,6 +116,15 @@ std::string too_coarse(const Task& task, double unit) {
   return "";
 }
 
+/// Whether corners of a proof have the delays of a result, or any. For a control of one kind of delay, the proof of
+/// free taps is about the delays that they have.
+bool about_these_delays(const std::vector<TaskCorner>& proved, const DesignResult& result) {
+  for (std::size_t j = 0; j < result.corners.size(); ++j) {
+    if (proved[j].delay.value_or(result.corners[j].delay) != result.corners[j].delay) return false;
+  }
+  return true;
+}
+
 class QuantisedDesign {
  public:
   QuantisedDesign(const Task& task, const DesignOptions& options)
@@ -276,14 +285,6 @@ class QuantisedDesign {
     return found;
   }
 
-  /// For a control of one kind of delay, the proof of free taps is about the delays that they have.
-  bool about_these_delays(const DesignResult& result) const {
-    for (std::size_t j = 0; j < result.corners.size(); ++j) {
-      if (proved_of_[j].delay.value_or(result.corners[j].delay) != result.corners[j].delay) return false;
-    }
-    return true;
-  }
-
   StopReason reason() const {
     if (options_.cancel != nullptr && options_.cancel->load()) return StopReason::interrupted;
     return late() ? StopReason::time_limit : StopReason::finished;
@@ -304,7 +305,7 @@ class QuantisedDesign {
       result.stop = free_.stop == StopReason::finished ? reason() : free_.stop, result.message = free_.message;
       result.quantisation->unquantised = std::min(free_.objective(), result.objective());
     }
-    if (about_these_delays(result)) {
+    if (about_these_delays(proved_of_, result)) {
       result.task.corners = proved_of_;
       result.lower_bound = free_.lower_bound;
       result.certificate = free_.certificate;

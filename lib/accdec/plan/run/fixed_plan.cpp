@@ -319,15 +319,13 @@ std::optional<ProgramResult> plan_with_shape(const ProgramFile& file, const Task
   const bool known = task.filter || (options.fixed.dwells_before_filter && emitted_filter(file.path));
   if (known || task.settings || file.path.blocks() > several_plans_max || !needs_standard_shapes(file.path, task))
     return {};
-  const bool keep = options.fixed.feeds == Feeds::keep;
   const Deadline search = options.deadline.within(part_of_search * options.deadline.left());
-  const ProgramFilter shape = fastest_standard_shape(file.path, task, keep, search, tell);
+  const ProgramFilter shape = fastest_standard_shape(file.path, task, options.fixed.feeds == Feeds::keep, search, tell);
   if (!shape.filter) return {};
   ProgramFileOptions own = options;
   own.deadline = options.deadline.within(part_of_plan * options.deadline.left());
   ProgramResult result = plan_with_filter(file, shape, task, own);
-  if (!result.verification.feasible) return {};
-  return result;
+  return result.verification.feasible ? std::optional(std::move(result)) : std::nullopt;
 }
 
 /// The faster one of the plan with a designed filter and that with a standard shape.
@@ -360,15 +358,15 @@ ProgramResult choose_and_plan(ProgramFile file, const Task& task, const ProgramF
     ProgramResult none;
     static_cast<ProgramSubject&>(none) = subject_of(file.name, file.path, task);
     none.reading = file.reading;
-    none.message = choice.message;
-    none.solver = choice.solver;
+    none.message = choice.message, none.solver = choice.solver;
     return none;
   }
   if (tell) tell("planning and simulating");
   const bool settings = choice.settings && compared;
   ProgramResult result = faster_of(plan_as_read(std::move(file), choice, task, options), std::move(shaped));
-  if (settings && !result.plan.empty()) result = keep_today(std::move(result), choice, read, task, options);
-  if (settings && !result.plan.empty() && !options.deadline.over()) {
+  if (!settings || result.plan.empty()) return result;
+  result = keep_today(std::move(result), choice, read, task, options);
+  if (!options.deadline.over()) {
     result.settings->free_taps = time_of_free_taps(result, read, task, options);
     if (result.settings->free_taps) result.settings->free_taps_limit = free_taps_seconds(read.path, options);
   }
