@@ -54,7 +54,7 @@ class Reader {
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
     if (record_.task.settings) {
       const bool width = r.settings && r.settings->chosen.width;
-      r.plan.path.control = planned_control(*record_.task.settings, width ? r.settings->chosen.width->middle() : 0.0);
+      r.plan.path.control = planned_control(record_.task, width ? r.settings->chosen.width->middle() : 0.0);
     }
     if (r.settings && record_.commands) check_settings_answer(json_["settings"], r);
     set_behind_response();
@@ -166,7 +166,7 @@ class Reader {
     if (json.has("tool_length_m")) in.tools.length = json["tool_length_m"].number();
     record_.task = parse_task(
         in.task_text, in.task_path + " (in " + name_ + ")",
-        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::all});
     record_.result.task_machine = record_.task.machine;
     in.reading.error_max = record_.task.program_error_max;
     in.reading.room_for_chords = record_.schema == ProgramSchema::program_2;
