@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/run/along_plan.hpp>
 #include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plan/verify/own_trajectory.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
@@ -114,6 +116,27 @@ TEST(FreeContour, IsRefusedWhereItIsBroken) {
   ASSERT_TRUE(profiles.verification.feasible);
   profiles.plan.path.contour_max = 1.9e-5;
   EXPECT_THAT(verify_program_result(profiles, task).reasons, testing::Contains(testing::HasSubstr("contour")));
+}
+
+/// Legs of the same length in x at different feeds and slopes: the sample nearest to a corner is beside its block by
+/// more than the contour. Each sample has to be given the block that it is near.
+TEST(FreeContour, IsHeldByTheSamplesThatWindowsBeginWith) {
+  std::string zigzag = "F6000\n";
+  for (int i = 1; i <= 24; ++i)
+    zigzag += "G1 X" + std::to_string(20 - 13 * (i % 2)) + " Y" + std::to_string(5 * i + i * i) + "\n";
+  for (const double jerk : {unlimited, 500.0}) {
+    SCOPED_TRACE(jerk);
+    Task task = task_of(3e-5, jerk);
+    task.sample_period = 1e-3;
+    for (Axis& axis : task.machine.axes) axis.acceleration_max = 6.0;
+    const ProgramResult profiles = profiles_of(zigzag, task, 5e-5);
+    ASSERT_TRUE(profiles.verification.feasible) << profiles.message;
+    const FreeSamples samples = sampled(profiles.plan.path, *profiles.plan.trajectory(), profiles.sample_period);
+    ProgramResult begun = with_samples(profiles, samples);
+    EXPECT_EQ(judge_trajectory(begun, task.machine), "");
+    EXPECT_EQ(begun.cycle_time, profiles.cycle_time);
+    EXPECT_LE(contour(begun), 3e-5 * (1.0 + 1e-9) + 1e-12);
+  }
 }
 
 /// A leg of 40 mm from rest to rest at 0.2 m/s with 2 m/s^2: ramps of n = 200 samples. Samples of a constant
