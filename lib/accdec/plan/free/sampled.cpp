@@ -43,7 +43,7 @@ class NearestPlace {
     best_ = distance2;
     at_ = static_cast<double>(k - 1) + t;
   }
-  /// The place beside the nearest one that is as far from the block before the point as from the one after it: samples
+  /// The place beside the nearest one that is as far from the block before the point as from the one after it. Samples
   /// before it are nearer to the one, samples after it to the other.
   /// @param last  sample up to which the motion may be on them
   double between(const double* from, const double* to, std::size_t last) const {
@@ -83,7 +83,7 @@ class NearestPlace {
   double least_, at_, best_ = unlimited;
 };
 
-/// Where a motion passes joint j. Under a contour, every sample has to be near its own block.
+/// The place at which a motion passes joint j. Under a contour, every sample has to be near its own block.
 double pass_of(const NearestPlace& near, const Toolpath& path, std::size_t j, std::size_t last) {
   const bool bounded = path.contour_max < unlimited && path.joint[j] != Joint::stop;
   return bounded ? near.between(path.point(j), path.point(j + 2), last) : near.at();
