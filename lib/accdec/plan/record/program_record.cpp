@@ -17,6 +17,7 @@
 #include <accdec/formats/json_text.hpp>
 #include <accdec/formats/json_value.hpp>
 #include <accdec/machine/limit_unit.hpp>
+#include <accdec/machine/position_unit.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/motion_proof_json.hpp>
@@ -26,7 +27,6 @@
 #include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
-#include <accdec/task.hpp>
 
 namespace accdec {
 namespace {
@@ -204,7 +204,7 @@ class Reader {
       path.dwell.emplace_back(pair[0].integer<std::uint32_t>(), pair[1].number());
     }
     path.dwell_first = json["dwell_first_s"].number();
-    path.contour_max = record_.task.program_contour_max.value_or(unlimited);
+    path.contour_max = contour_in_units(record_.inputs.reading.contour_max, result.task_machine, path.dimensions());
     result.errors = json["error_m"].numbers_or_infinity();
     check_path(json);
     if (auto* command = std::get_if<FilteredCommand>(&result.plan.motion)) {
