@@ -360,6 +360,8 @@ TEST(Settings, AreNotForged) {
     std::get<proof::FamilyEnumeration>(none.proof).bound_samples.reset();
     r.certificate = std::make_shared<Certificate>(std::move(none));
   })) << "that no member holds";
+  EXPECT_TRUE(refused([](DesignResult& r) { r.task.settings->families.push_back(SettingFamily::taps); }))
+      << "free taps are shorter";
   // A controller of longer steps does not have this filter.
   EXPECT_TRUE(refused([](DesignResult& r) { r.task.settings->stages[0].length_step = 5e-3; }));
   // Two stages that differ have a length each.

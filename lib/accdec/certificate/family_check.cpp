@@ -339,6 +339,8 @@ std::string check_families(const proof::FamilyEnumeration& proof, const Task& ta
                            const std::function<bool()>& stop) {
   if (!task.settings || !task.settings->names_family())
     throw Rejected("the certificate is about families, the task names none");
+  if (task.settings->names(SettingFamily::taps))
+    throw Rejected("free taps are a family of the task, and the certificate is about settings alone");
   double target = none;
   if (result.status == Status::infeasible) {
     if (proof.bound_samples) throw Rejected("the certificate proves a bound, not that no member holds");

@@ -194,14 +194,35 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   return best;
 }
 
+/// Widths in the order of their guesses, those below `than` samples. The best one may break a limit where moves overlap
+/// or where a longer delay is worse; the next one may hold.
+void SettingsTrials::try_guesses(const Filter& filter, const std::vector<WidthChoice>& widths, int most, double than,
+                                 TimedSetting& best) const {
+  std::vector<WidthChoice> promising;
+  for (const WidthChoice& choice : widths) {
+    if (choice.samples < std::min(best.samples, than)) promising.push_back(choice);
+  }
+  std::ranges::stable_sort(promising, {}, &WidthChoice::samples);
+  for (const WidthChoice& choice : promising) {
+    if (most-- == 0 || effort_.over() || !(choice.samples < best.samples)) return;
+    const double samples = planned(filter, planned_control(task_, choice.width), effort_.clock());
+    if (samples < best.samples) best = {samples, choice.width};
+  }
+}
+
 TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorough, double than) const {
   const std::optional<Filter> filter = command(set);
   if (!filter) return {};
   const Deadline until = thorough ? with_one_plan(effort_.clock()) : effort_.clock();
   const ControlDelays control = planned_control(task_, guessed);
   TimedSetting best{planned(*filter, control, until), guessed};
-  if (best.samples < unlimited || control.any() || !has_widths() || !(thorough || keep_)) return best;
+  if (control.any() || !has_widths() || !(keep_ || (thorough && !(best.samples < unlimited)))) return best;
   const std::vector<WidthChoice> widths = widths_of(*filter);
+  if (best.samples < unlimited) {
+    constexpr int most = 4;
+    try_guesses(*filter, widths, most, than, best);
+    return best;
+  }
   const auto take = [&](int at) {
     const double width = widths[static_cast<std::size_t>(at)].width;
     const double samples = planned(*filter, planned_control(task_, width), effort_.clock());
@@ -232,6 +253,10 @@ TimedSetting SettingsTrials::refined(const Filter& set, const TimedSetting& plan
   TimedSetting best = planned;
   const auto time = [&](const ControlDelays& with) { return this->planned(*filter, with, effort_.clock()); };
   const int finest = keep_ ? 1 : finest_step(widths, *filter), coarse = std::max(finest, coarse_step(widths) / 2);
+  if (keep_) {
+    constexpr int most = 12;
+    try_guesses(*filter, widths, most, unlimited, best);
+  }
   search_width(widths, nearest_to(widths, best.width), coarse, finest, time, best);
   return best;
 }
@@ -263,7 +288,8 @@ double SettingsTrials::planned(const Filter& filter, const ControlDelays& contro
     effort_.spend(work_of_schedule(chosen));
     take(chosen.path, chosen.plan);
   }
-  if (keep_ || small) {
+  // Feeds may be chosen that no delay of the control suits.
+  if (keep_ || small || !(best < unlimited)) {
     limit_rapids(path, filter, task_.sample_period, machine_);
     snap_durations(path, filter, task_.sample_period, machine_);
     const double repairs_max = repairs_a_block * static_cast<double>(path.blocks());

@@ -65,6 +65,8 @@ class SettingsTrials {
   bool by_axis() const;
   /// All that differ at the programmed feeds.
   std::vector<WidthChoice> widths_of(const Filter& filter) const;
+  void try_guesses(const Filter& filter, const std::vector<WidthChoice>& widths, int most, double than,
+                   TimedSetting& best) const;
   template <class Time>
   void search_width(const std::vector<WidthChoice>& widths, int from, int step, int finest, const Time& time,
                     TimedSetting& best) const;
