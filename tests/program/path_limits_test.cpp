@@ -376,8 +376,6 @@ TEST_F(PathCommand, PlansThatDoNotConsiderTheKeysRefuseThem) {
     EXPECT_NE(run("program part.ngc --task path.toml --plan " + plan).code, 0);
     EXPECT_THAT(read("err"), HasSubstr(named));
   };
-  task(axis("x", "") + axis("y", ""), "contour_max_um = 30\n");
-  refused("profiles", "contour_max_um");
   task(axis("x", "") + axis("y", ""), "[[mode]]\nfrequency_Hz = 45\naxis = \"y\"\nresidual_max_um = 8\n");
   refused("free", "residual_max_um");
   task(axis("x", "servo_gain_1_s = 250\n") + axis("y", "servo_gain_1_s = 180\n"), "");
