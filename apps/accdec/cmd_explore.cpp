@@ -96,7 +96,7 @@ std::string start_of(const ExploreArguments& arguments, const Context& context) 
   if (!arguments.task.empty()) {
     const Task task = read_task(
         arguments.task,
-        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::all});
     warn(task, arguments.task, context);
     StatusLine status(context.quiet);
     return explore::program_start_json(arguments.file, task, arguments.free_seconds,

@@ -94,7 +94,7 @@ void check_options(const ProgramArguments& options) {
 
 /// Whether the task's control holds tolerances by lower feeds alone.
 bool only_runs_on(const Task& task) {
-  return task.settings && runs_on(control_of(*task.settings, 0.0));
+  return task.settings && runs_on(control_of(task, 0.0));
 }
 
 /// @throws InputError for free taps beside other families, and for a control whose delays --feeds keep does not give
@@ -223,9 +223,9 @@ void say_what_ended(const ProgramResult& result, const ProgramFileOptions& optio
 void run(ProgramArguments& options, Context& context) {
   check_options(options);
   const std::string figure_type = options.figure.empty() ? "" : figure_format(options.figure);
-  const Task task = read_task(
-      options.task,
-      {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
+  const Task task =
+      read_task(options.task,
+                {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::all});
   warn(task, options.task, context);
   require_delays(options, task);
   require_words(options, task);

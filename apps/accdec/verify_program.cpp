@@ -14,6 +14,7 @@
 #include <accdec/files/text_file.hpp>
 #include <accdec/gcode/read_error.hpp>
 #include <accdec/gcode/run_rs274.hpp>
+#include <accdec/machine/position_unit.hpp>
 #include <accdec/plan/record/check_record.hpp>
 #include <accdec/plan/record/program_record.hpp>
 #include <accdec/plan/report/left_at_rest.hpp>
@@ -110,6 +111,9 @@ void print_accepted(const ProgramRecord& record, const RecordCheck& check, bool 
   for (const std::string& left_out : left_out_by_residuals(record.result)) fmt::print("{}\n", left_out);
   for (const std::string& left : left_at_rest_in_words(record.result, left_at_rest(record.result)))
     fmt::print("{}\n", left);
+  if (const double unit = record.task.machine.position_unit; unit > 0.0)
+    fmt::print("corner errors do not count the rounding of positions, by up to {:.4g} position units\n",
+               unit_rounding(record.task.machine, record.result.plan.path.dimensions()) / unit);
   if (read) {
     fmt::print("{} read again: the plan passes its points in order, within its feeds and with its tolerances\n",
                printable(record.inputs.program));

@@ -30,14 +30,12 @@ constexpr const char* smoothing = "[controller]\nprefilter_taps = [0.25, 0.5, 0.
 
 /// Commands that read a task, with the arguments after it that let them come as far as the task.
 const std::map<std::string, std::vector<std::string>> refusing{
-    {"explore", {"part.ngc", "--task", "task.toml", "--no-browser"}},
     {"compare", {"suite.toml", "--out", "out"}},
     {"instances", {"suite.toml", "--out", "instances", "--format", "nl"}},
-    {"program", {"part.ngc", "--task", "task.toml"}},
     {"identify", {"log.csv", "--task", "task.toml"}},
 };
-const std::vector<std::string> considering{"evaluate", "design", "explain", "verify", "export",
-                                           "plot",     "optima", "study",   "modes"};
+const std::vector<std::string> considering{"evaluate", "design", "explain", "verify",  "export", "plot",
+                                           "optima",   "study",  "modes",   "program", "explore"};
 const std::vector<std::string> without_tasks{"init",    "paper",      "generate", "controllers",
                                              "solvers", "completion", "schema"};
 
@@ -66,7 +64,6 @@ TEST_F(ResponseOfTasks, EveryCommandIsKnownHere) {
 }
 
 TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
-  folder_.write("part.ngc", "G1 X10 F1000\nG1 Y10\nM2\n");
   for (const auto& [key, position] : std::map<std::string, std::string>{{"servo_gain_1_s", "4:18"},
                                                                         {"prefilter_taps", "9:18"},
                                                                         {"in_position_latency_ms", "12:26"},
@@ -86,8 +83,7 @@ TEST_F(ResponseOfTasks, OtherCommandsRefuseItByName) {
                   "formulation = [\"margin\"]\norder = 20\n");
     for (const auto& [command, arguments] : refusing) {
       SCOPED_TRACE(command + " with " + key);
-      // Programs and comparisons consider all but the latency, and both responses stand behind a filter that is found.
-      if ((command == "program" || command == "explore") && key != "in_position_latency_ms") continue;
+      // Comparisons consider all but the latency, and both responses stand behind a filter that is found.
       if (command == "identify" && (key == "prefilter_taps" || key == "in_position_latency_ms")) continue;
       if ((command == "compare" || command == "instances") && key != "in_position_latency_ms") continue;
       std::vector<std::string> call{command};

@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <accdec/plan/free/free_motion.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
+#include <accdec/plan/run/along_plan.hpp>
 #include <accdec/plan/run/free_plan.hpp>
 #include <accdec/plan/verify/own_trajectory.hpp>
 #include <accdec/plan/verify/verify_program_result.hpp>
@@ -46,13 +48,19 @@ ProgramResult profiles_of(const std::string& text, const Task& task, std::option
   return run_profiles({file.name, file.path, task, Feeds::choose});
 }
 
-/// m, largest distance of points on the steps of a motion from the blocks.
+/// m, largest distance of points on the steps of a motion from the blocks, as its positions are written.
 double contour(const ProgramResult& result) {
+  const double unit = result.task_machine.position_unit;
   constexpr int parts = 8;
   double most = 0.0;
   Motion motion(result.plan, result.sample_period);
   Sample before, now;
-  for (motion.next(before); motion.next(now); before = now) {
+  const auto written = [&](Sample& sample) {
+    for (double& x : sample.position) x = unit > 0.0 ? std::round(x / unit) * unit : x;
+  };
+  motion.next(before);
+  for (written(before); motion.next(now); before = now) {
+    written(now);
     for (int i = 1; i <= parts; ++i) {
       const double t = static_cast<double>(i) / parts;
       const double x = before.position[0] + t * (now.position[0] - before.position[0]);
@@ -114,6 +122,58 @@ TEST(FreeContour, IsRefusedWhereItIsBroken) {
   ASSERT_TRUE(profiles.verification.feasible);
   profiles.plan.path.contour_max = 1.9e-5;
   EXPECT_THAT(verify_program_result(profiles, task).reasons, testing::Contains(testing::HasSubstr("contour")));
+}
+
+/// Legs of the same length in x at different feeds and slopes: the sample nearest to a corner is beside its block by
+/// more than the contour. Each sample has to be given the block that it is near.
+TEST(FreeContour, IsHeldByTheSamplesThatWindowsBeginWith) {
+  std::string zigzag = "F6000\n";
+  for (int i = 1; i <= 24; ++i)
+    zigzag += "G1 X" + std::to_string(20 - 13 * (i % 2)) + " Y" + std::to_string(5 * i + i * i) + "\n";
+  for (const double jerk : {unlimited, 500.0}) {
+    SCOPED_TRACE(jerk);
+    Task task = task_of(3e-5, jerk);
+    task.sample_period = 1e-3;
+    for (Axis& axis : task.machine.axes) axis.acceleration_max = 6.0;
+    const ProgramResult profiles = profiles_of(zigzag, task, 5e-5);
+    ASSERT_TRUE(profiles.verification.feasible) << profiles.message;
+    const FreeSamples samples = sampled(profiles.plan.path, *profiles.plan.trajectory(), profiles.sample_period);
+    ProgramResult begun = with_samples(profiles, samples);
+    EXPECT_EQ(judge_trajectory(begun, task.machine), "");
+    EXPECT_EQ(begun.cycle_time, profiles.cycle_time);
+    EXPECT_LE(contour(begun), 3e-5 * (1.0 + 1e-9) + 1e-12);
+  }
+}
+
+/// Rounding to whole numbers of a unit moves a position by up to half a diagonal of the grid.
+TEST(FreeContour, IsHeldByWholeNumbersOfAUnit) {
+  constexpr double contours = 2e-5;
+  constexpr const char* corners = "F6000\nG1 X4\nY4\nG1 X5 Y8\nX6 Y4\nM2\n";
+  for (const double unit : {2e-5, 5e-6}) {
+    SCOPED_TRACE(unit);
+    Task task = task_of(contours, 500.0);
+    task.machine.position_unit = unit;
+    const ProgramFile file = file_of(corners, task, {});
+    EXPECT_NEAR(file.path.contour_max, contours - unit / std::numbers::sqrt2, 1e-15);
+    const ProgramResult profiles = run_profiles({file.name, file.path, task, Feeds::choose});
+    const ProgramResult free = run_free_plan(file, task, {}, {});
+    for (const ProgramResult* result : {&profiles, &free}) {
+      SCOPED_TRACE(result->plan.name());
+      ASSERT_TRUE(result->verification.feasible) << result->message;
+      EXPECT_EQ(result->task_machine.position_unit, unit);
+      EXPECT_LE(contour(*result), contours * (1.0 + 1e-9) + 1e-12);
+    }
+  }
+  Task coarse = task_of(contours, unlimited);
+  coarse.machine.position_unit = 3e-5;  // half a diagonal is 21.2 um
+  try {
+    file_of(corners, coarse, {});
+    FAIL() << "nothing is left of the contour";
+  } catch (const std::exception& e) {
+    EXPECT_THAT(e.what(),
+                testing::AllOf(testing::HasSubstr("part.ngc:"), testing::HasSubstr("contour_max_um = 20"),
+                               testing::HasSubstr("position_unit_um = 30"), testing::HasSubstr("up to 21.21 um")));
+  }
 }
 
 /// A leg of 40 mm from rest to rest at 0.2 m/s with 2 m/s^2: ramps of n = 200 samples. Samples of a constant

@@ -32,6 +32,7 @@ struct Corners {
   double moving = 0.0;                    // samples
   double tolerance = 0.0, acceleration = 0.0;
   bool by_axis = false;
+  int latency = 0;  // samples
 
   void add_leg(double x, double y, double feed) {
     const Eigen::Vector2d way(x, y);
@@ -68,7 +69,9 @@ struct Corners {
     std::vector<std::vector<bool>> held(corners);
     std::vector<double> widths{0.0};
     for (std::size_t j = 0; j < corners; ++j) {
-      for (int d = 0; d < length; ++d) held[j].push_back(holds(j, length, d)), widths.push_back(way_left(j, length, d));
+      for (int d = 0; d < length; ++d) {
+        held[j].push_back(holds(j, length, d + latency)), widths.push_back(way_left(j, length, d));
+      }
     }
     std::sort(widths.begin(), widths.end());
     widths.push_back(2.0 * widths.back());
@@ -80,7 +83,7 @@ struct Corners {
       for (std::size_t j = 0; j < corners; ++j) {
         int d = 0;
         while (way_left(j, length, d) > width) ++d;
-        samples += held[j][static_cast<std::size_t>(d)] ? d : unlimited;
+        samples += held[j][static_cast<std::size_t>(d)] ? d + latency : unlimited;
       }
       best = std::min(best, samples);
     }
@@ -92,6 +95,7 @@ Task in_position_task(const Corners& corners, int longest) {
   Task task = test::averages_task(1, {DelayKind::in_position});
   task.design.order_max = longest - 1;
   task.settings->in_position_by_axis = corners.by_axis;
+  task.settings->in_position_latency = corners.latency * period;
   for (Axis& axis : task.machine.axes) axis.velocity_max = unlimited, axis.acceleration_max = corners.acceleration;
   return task;
 }
@@ -155,9 +159,12 @@ TEST(InPositionWidths, TheWaysOfAllHeadingsAreTried) {
     corners.add_leg(1e-3 * (to_x - x), 1e-3 * (to_y - y), 0.1);
     x = to_x, y = to_y;
   }
-  double least = unlimited;
-  for (int length = 1; length <= 30; ++length) least = std::min(least, corners.least(length));
-  EXPECT_EQ(planned(in_position_task(corners, 30), text + "M2\n"), least);
+  for (const int latency : {0, 1, 4, 12}) {
+    corners.latency = latency;
+    double least = unlimited;
+    for (int length = 1; length <= 30; ++length) least = std::min(least, corners.least(length));
+    EXPECT_EQ(planned(in_position_task(corners, 30), text + "M2\n"), least) << latency;
+  }
 }
 
 }  // namespace

@@ -350,6 +350,7 @@ TEST_F(LoadsCommand, FrictionOfARotaryAxisIsATorque) {
   write("unit.toml", read("turn.toml") + "[controller]\nposition_unit_um = 0.1\n");
   run("program turn.ngc --task unit.toml --feeds keep");
   EXPECT_THAT(read("out"), HasSubstr("whole numbers of 0.1 mdeg; differences of them read up to 4e+05 deg/s^3 more"));
+  EXPECT_THAT(read("out"), HasSubstr("rounding moves a position by up to 0.05 mdeg: corner errors do not count it\n"));
   run("program turn.ngc --task turn.toml --feeds keep");
   const double rad = std::acos(-1.0) / 180.0, torque = 0.8 * 2000.0 * rad + 0.5 * 100.0 * rad + 3.0;
   char text[40];

@@ -67,6 +67,8 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
                                                {SettingFamily::taps, Feeds::choose, true}}) {
     task.settings->families = {family};
     task.settings->in_position_by_axis = by_axis;
+    const int latency = by_axis ? 2 : 0;
+    task.settings->in_position_latency = latency * task.sample_period;
     const TemporaryFolder folder;
     const std::string program = folder.write("part.ngc", test::corner_program);
     ProgramFileOptions options;
@@ -83,12 +85,12 @@ TEST(ProgramSettings, OneInPositionWidthGivesAllDelays) {
     for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
       if (result.settings->chosen.delays[b] != DelayKind::in_position) continue;
       ++seen;
-      for (int d = 0; d <= command.delays[b]; ++d) {
+      for (int d = 0; d <= command.delays[b] - latency; ++d) {
         const auto k = static_cast<std::size_t>(motion.windows[b].first + d);
         const double x = std::abs(motion.position[0][k] - path.point(b + 1)[0]),
                      y = std::abs(motion.position[1][k] - path.point(b + 1)[1]),
                      way = by_axis ? std::max(x, y) : std::hypot(x, y);
-        EXPECT_EQ(way <= width, d == command.delays[b]) << "line " << path.line[b] << ", sample " << d;
+        EXPECT_EQ(way <= width, d == command.delays[b] - latency) << "line " << path.line[b] << ", sample " << d;
       }
     }
     EXPECT_GT(seen, 0);
@@ -106,7 +108,7 @@ TEST(ProgramSettings, TunedCurvesAreNoSlowerThanUntunedOnesWithTheDelaysOfAWidth
   const Filter filter = averages(std::vector<int>{31, 11});
   int held = 0;
   for (const double width : {0.05e-3, 0.08e-3, 0.0951613e-3, 0.12e-3, 0.2e-3, 0.335e-3}) {
-    path.control = control_of(*task.settings, width);
+    path.control = control_of(task, width);
     const double untuned = planned(path, filter, task);
     if (!(untuned < 4000.0)) continue;
     ++held;

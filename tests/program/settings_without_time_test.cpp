@@ -45,7 +45,7 @@ TEST(SettingsWithoutTime, AControlOfCornerFeedsGetsOneThatHolds) {
   EXPECT_FALSE(found->complete);
   EXPECT_EQ(make_filter(found->chosen.filter).order() + 2, 17 + 12);
   Toolpath slow = path;
-  slow.control = planned_control(*task.settings, found->width);
+  slow.control = planned_control(task, found->width);
   const ProgramResult result = run_program({"star.ngc", slow, task, Feeds::choose}, make_filter(found->chosen.filter));
   EXPECT_TRUE(result.verification.feasible) << result.message;
   // Way over feed takes 62.3 s.

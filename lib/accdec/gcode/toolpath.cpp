@@ -9,6 +9,7 @@
 #include <accdec/gcode/move_sink.hpp>
 #include <accdec/gcode/number.hpp>
 #include <accdec/gcode/read_error.hpp>
+#include <accdec/machine/position_unit.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/simulate.hpp>
 #include <accdec/verify.hpp>
@@ -350,6 +351,18 @@ Toolpath Builder::finish() {
   return std::move(path_);
 }
 
+/// Leaves room in the contour for rounding positions to whole numbers of the control's unit.
+void round_contour(Toolpath& path, const Machine& machine, const LineSource& source) {
+  const double given = path.contour_max;
+  path.contour_max = contour_in_units(given, machine, path.dimensions());
+  if (path.contour_max > 0.0 || !(machine.position_unit > 0.0)) return;
+  throw ReadError(
+      source.name(), std::max<std::int64_t>(1, source.line_number()), 1,
+      fmt::format("contour_max_um = {:g} of the task leaves nothing beside its position_unit_um = {:g}: "
+                  "rounding moves a position by up to {:.4g} um",
+                  1e6 * given, 1e6 * machine.position_unit, 1e6 * unit_rounding(machine, path.dimensions())));
+}
+
 }  // namespace
 
 Toolpath read_toolpath(LineSource& source, const Machine& machine, const ToolpathOptions& options) {
@@ -359,7 +372,9 @@ Toolpath read_toolpath(LineSource& source, const Machine& machine, const Toolpat
   if (bound > 0.0) reading.arc_tolerance = std::min(reading.arc_tolerance, std::max(1e-9, bound / 8.0));
   Builder builder(source, machine, options, reading.arc_tolerance);
   read_program(source, reading, builder);
-  return builder.finish();
+  Toolpath path = builder.finish();
+  round_contour(path, machine, source);
+  return path;
 }
 
 }  // namespace accdec

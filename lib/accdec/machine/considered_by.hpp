@@ -9,7 +9,7 @@ namespace accdec {
 inline constexpr std::string_view considered_by =
     "leave it out. `accdec evaluate`, `accdec design`, `accdec explain` and `accdec verify` consider it at the corners "
     "of a task. `accdec program` considers `prefilter_taps`, "
-    "servos, friction, curves, the supply and modes of axes with `--plan fixed`";
+    "`in_position_latency_ms`, servos, friction, curves, the supply and modes of axes with `--plan fixed`";
 /// The same, for another plan of a program.
 inline constexpr std::string_view considered_by_fixed = "leave it out, or use --plan fixed, which considers it";
 

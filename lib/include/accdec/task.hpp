@@ -127,6 +127,7 @@ struct ControlDelays {
   std::vector<DelayKind> kinds{};  ///< empty: delays of any number of samples
   double width = 0.0;              ///< m, of all corners that are in-position; 0: none is
   bool by_axis = false;            ///< see ControllerSettings::in_position_by_axis
+  int latency = 0;                 ///< samples from within the width to the next block's start
 
   bool names(DelayKind kind) const;
   /// Whether any number of samples can be had.
@@ -228,8 +229,8 @@ struct Task {
 };
 
 /// Parts of the machine that a caller considers beside the limits of its axes: none, or the control's own smoothing.
-/// Plans of programs (`loads`) also know servos, dry friction, force-speed curves, the supply and modes of axes. `all`
-/// adds the time that a control takes to begin a block (in_position_latency_ms).
+/// Comparisons (`loads`) also know servos, dry friction, force-speed curves, the supply and modes of axes. `all` adds
+/// the time that a control takes to begin a block (in_position_latency_ms).
 enum class Considered { none, smoothing, loads, all };
 
 /// Requirements of the caller on a task.

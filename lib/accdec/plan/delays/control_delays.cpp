@@ -90,7 +90,7 @@ class DelaySink {
     double high = unlimited, way = way_left(0);
     int d = 0;
     for (; way > path_.control.width; way = way_left(++d)) high = std::min(high, way);
-    found_.delays[b] = d;
+    found_.delays[b] = d + path_.control.latency;
     low_ = std::max(low_, way), high_ = std::min(high_, high);
     any_ = true;
   }

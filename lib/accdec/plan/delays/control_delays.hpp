@@ -22,7 +22,7 @@ struct CommandDelays {
 inline constexpr double snapped_part = 1e-5;
 
 /// Follows the command, so that feeds that change shortly before a joint count. A joint is in-position in the first
-/// sample in which the filtered command is within the width of it.
+/// sample in which the filtered command is within the width of it. Its delay is longer by the control's latency.
 /// @param delays  samples, one a block
 CommandDelays command_delays(const Toolpath& path, const Filter& filter, double sample_period,
                              const std::vector<int>& delays);

@@ -31,6 +31,11 @@ constexpr const char* set_remark = "(set these: ";
 constexpr const char* in_position_remark = "(G9:";
 constexpr const char* slowed_remark = "(rapid moves stand as G1";
 
+/// @param latency  s, of the control
+std::string after_in_position(double latency) {
+  return latency > 0.0 ? fmt::format("{} ms after", plain_number(1e3 * latency, 6)) : "as soon as";
+}
+
 /// The kind of delay of a joint; any number of samples where the plan names none.
 DelayKind kind_of(const ProgramResult& result, std::size_t b) {
   const bool known = result.settings && b < result.settings->chosen.delays.size();
@@ -122,8 +127,8 @@ class Emission {
           "rest)");
     if (result_.settings) line("{}{})", set_remark, words_to_set(result_));
     if (result_.settings && result_.settings->chosen.width)
-      line("{} the next block starts as soon as the axes are within the in-position width of the block's end)",
-           in_position_remark);
+      line("{} the next block starts {} the axes are within the in-position width of the block's end)",
+           in_position_remark, after_in_position(path_.control.latency * result_.sample_period));
     else if (!timed_.used())
       line("(read back by: accdec program FILE --task TASK.toml --plan fixed --dwells-before-filter{}{})",
            result_.feeds_chosen ? "" : " --feeds keep", path_.length_at ? " --tool-length 0" : "");

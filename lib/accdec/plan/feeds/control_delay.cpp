@@ -8,15 +8,20 @@
 
 namespace accdec {
 
-ControlDelays control_of(const ControllerSettings& settings, double width) {
-  ControlDelays control{settings.delays, width, settings.in_position_by_axis};
+ControlDelays control_of(const ControllerSettings& settings, double width, double sample_period) {
+  const auto latency = static_cast<int>(std::lround(settings.in_position_latency / sample_period));
+  ControlDelays control{settings.delays, width, settings.in_position_by_axis, latency};
   if (control.names(DelayKind::corner_feed) && !control.names(DelayKind::continuous))
     control.kinds.push_back(DelayKind::continuous);
   return control;
 }
 
-ControlDelays planned_control(const ControllerSettings& settings, double width) {
-  ControlDelays control = control_of(settings, width);
+ControlDelays control_of(const Task& task, double width) {
+  return control_of(*task.settings, width, task.sample_period);
+}
+
+ControlDelays planned_control(const Task& task, double width) {
+  ControlDelays control = control_of(task, width);
   if (!(width > 0.0) && control.kinds.size() > 1) std::erase(control.kinds, DelayKind::in_position);
   return control;
 }
@@ -85,8 +90,9 @@ std::optional<int> control_delay_after(const ControlDelays& control, const Filte
   std::optional<int> best;
   if (const int stop = std::max(least, apart); control.names(DelayKind::exact_stop) && stop <= apart + exact_stop_more)
     best = stop;
-  if (!control.names(DelayKind::in_position)) return best;
-  if (wait >= least && (!best || wait < *best)) best = wait;
+  if (wait < 0 || !control.names(DelayKind::in_position)) return best;
+  const int delay = wait + control.latency;
+  if (delay >= least && (!best || delay < *best)) best = delay;
   return best;
 }
 

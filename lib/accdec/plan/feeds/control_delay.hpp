@@ -13,9 +13,11 @@ namespace accdec {
 /// The delays that a control has for a program. A corner feed is there a feed of the blocks beside a corner, which the
 /// planner chooses (Feeds::choose) and --emit writes as F words. Such a control does the same at a lower feed
 /// as at the whole feed: DelayKind::continuous.
-ControlDelays control_of(const ControllerSettings& settings, double width);
+ControlDelays control_of(const ControllerSettings& settings, double width, double sample_period);
+/// The same, of a task with settings.
+ControlDelays control_of(const Task& task, double width);
 /// The same for a plan. Without a width a control that has other kinds of delays plans as one without "in-position".
-ControlDelays planned_control(const ControllerSettings& settings, double width);
+ControlDelays planned_control(const Task& task, double width);
 
 /// Whether the control runs on at every corner: only lower feeds hold a tolerance.
 bool runs_on(const ControlDelays& control);
@@ -54,7 +56,8 @@ double watched_part(const ControlDelays& control, const double* velocity, std::s
 /// None if it has none as long.
 /// @param step  v1 T, m; of the fastest axis where the control watches each axis, see watched_part
 std::optional<int> control_delay(const ControlDelays& control, const Filter& filter, double step, int least);
-/// The same where the control has waited so many samples for its in-position width. @param wait  negative: it has none
+/// The same where the motion is within the in-position width after so many samples. The control's latency is added.
+/// @param wait  negative: never
 std::optional<int> control_delay_after(const ControlDelays& control, const Filter& filter, int wait, int least);
 
 }  // namespace accdec

@@ -116,7 +116,7 @@ std::string program_settings_answer(const ProgramResult& result) {
   if (!settings.breaks.empty())
     text += fmt::format(" At the programmed feeds it breaks {}: blocks are slowed.", settings.breaks);
   text += stops_considered(settings.control.get());
-  if (settings.control != nullptr && waits_at_ends(control_of(*settings.control, 0.0)))
+  if (settings.control != nullptr && waits_at_ends(control_of(*settings.control, 0.0, result.sample_period)))
     text += " The control waits at the end of every block, with a turn or without: no block has two feeds.";
   if (settings.free_taps) text += beside_free_taps(settings, time);
   return text + beside_today(result) + assumed_in_words(settings.control.get()) + "\n";

@@ -256,7 +256,7 @@ std::optional<ProgramSettings> settings_for_program(const Toolpath& path, const 
                                                     const std::function<void(const std::string&)>& tell) {
   const SettingsTrials trials(path, task, keep, effort);
   MemberSearch search(task, trials, effort, tell);
-  const ControlDelays narrow = planned_control(*task.settings, 0.0);
+  const ControlDelays narrow = planned_control(task, 0.0);
   if (!task.settings->names(DelayKind::in_position) || narrow.names(DelayKind::in_position))
     return search.run(todays_filter(task));
   // Widths take many plans a member. The settings without any are known first.
@@ -333,7 +333,7 @@ void offer_averages(const Toolpath& path, const Task& task, bool keep, Effort ef
 }
 
 std::string corner_without_stop(const Toolpath& path, const Task& task) {
-  if (!runs_on(control_of(*task.settings, 0.0))) return "";
+  if (!runs_on(control_of(task, 0.0))) return "";
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b) {
     if (path.joint[b] == Joint::corner && !(path.tolerance[b] > 0.0))
       return fmt::format(
@@ -360,7 +360,7 @@ ProgramFilter settings_filter(const Toolpath& path, const Task& task, bool keep,
     constexpr double seconds = 2.0;
     const std::string why = why_no_setting_holds(representative_task(path, task), seconds);
     if (!why.empty()) result.message += fmt::format("; at programmed feeds, {}", why);
-    if (keep && runs_on(control_of(*task.settings, 0.0)))
+    if (keep && runs_on(control_of(task, 0.0)))
       result.message +=
           "; the control's `delays` hold a tolerance by lower feeds alone, and --feeds keep commands the programmed "
           "feeds: use --feeds choose, or name a kind that waits: exact-stop, in-position, dwell, timed-axis";

@@ -116,7 +116,7 @@ bool SettingsTrials::has_widths() const {
 }
 
 std::vector<WidthChoice> SettingsTrials::widths_of(const Filter& filter) const {
-  const ControlDelays control = control_of(*task_.settings, 0.0);
+  const ControlDelays control = control_of(task_, 0.0);
   if (!guesses_kept()) return width_choices(control, filter, joints_);
   return PairwiseTimes(path_, filter, task_.sample_period, machine_, effort_, by_axis(), true).widths(control);
 }
@@ -130,7 +130,7 @@ void SettingsTrials::search_width(const std::vector<WidthChoice>& widths, int fr
     for (const int at : {from - step, from + step}) {
       if (at < 0 || at >= std::ssize(widths) || effort_.over()) continue;
       const double width = widths[static_cast<std::size_t>(at)].width;
-      const double samples = time(planned_control(*task_.settings, width));
+      const double samples = time(planned_control(task_, width));
       if (samples < best.samples) best = {samples, width}, from = at;
     }
   }
@@ -155,7 +155,7 @@ double SettingsTrials::kept(const Filter& filter, double enough) const {
 
 TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) const {
   const std::optional<Filter> behind = any < unlimited ? command(set) : std::nullopt;
-  const ControlDelays control = planned_control(*task_.settings, 0.0);
+  const ControlDelays control = planned_control(task_, 0.0);
   if (!behind || control.any()) return {any, 0.0};
   const Filter& filter = *behind;
   std::optional<PairwiseTimes> pairwise;
@@ -166,15 +166,15 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   };
   TimedSetting best{time(control), 0.0};
   if (!has_widths()) return best;
-  const std::vector<WidthChoice> widths = pairwise ? pairwise->widths(control_of(*task_.settings, 0.0))
-                                                   : width_choices(control_of(*task_.settings, 0.0), filter, joints_);
+  const std::vector<WidthChoice> widths =
+      pairwise ? pairwise->widths(control_of(task_, 0.0)) : width_choices(control_of(task_, 0.0), filter, joints_);
   effort_.spend(work_of_widths(widths));
   if (const WidthChoice* kept = pairwise ? best_of(widths) : nullptr; kept != nullptr && kept->samples < best.samples)
     best = {kept->samples, kept->width};
   if (keep_ || widths.empty()) return best;
   const auto take = [&](int at) {
     const double tried = widths[static_cast<std::size_t>(at)].width;
-    const double samples = time(planned_control(*task_.settings, tried));
+    const double samples = time(planned_control(task_, tried));
     const bool better = samples < best.samples;
     if (better) best = {samples, tried};
     return better;
@@ -198,13 +198,13 @@ TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorou
   const std::optional<Filter> filter = command(set);
   if (!filter) return {};
   const Deadline until = thorough ? with_one_plan(effort_.clock()) : effort_.clock();
-  const ControlDelays control = planned_control(*task_.settings, guessed);
+  const ControlDelays control = planned_control(task_, guessed);
   TimedSetting best{planned(*filter, control, until), guessed};
   if (best.samples < unlimited || control.any() || !has_widths() || !(thorough || keep_)) return best;
   const std::vector<WidthChoice> widths = widths_of(*filter);
   const auto take = [&](int at) {
     const double width = widths[static_cast<std::size_t>(at)].width;
-    const double samples = planned(*filter, planned_control(*task_.settings, width), effort_.clock());
+    const double samples = planned(*filter, planned_control(task_, width), effort_.clock());
     if (samples < best.samples) best = {samples, width};
     return samples < unlimited;
   };
@@ -224,7 +224,7 @@ TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorou
 
 TimedSetting SettingsTrials::refined(const Filter& set, const TimedSetting& planned) const {
   const std::optional<Filter> filter = command(set);
-  const bool any = planned_control(*task_.settings, planned.width).any();
+  const bool any = planned_control(task_, planned.width).any();
   if (!filter || any || !has_widths() || !(planned.width > 0.0)) return planned;
   const std::vector<WidthChoice> widths = widths_of(*filter);
   const WidthChoice* const kept = keep_ ? best_of(widths) : nullptr;

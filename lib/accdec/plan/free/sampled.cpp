@@ -43,14 +43,51 @@ class NearestPlace {
     best_ = distance2;
     at_ = static_cast<double>(k - 1) + t;
   }
+  /// The place beside the nearest one that is as far from the block before the point as from the one after it. Samples
+  /// before it are nearer to the one, samples after it to the other.
+  /// @param last  sample up to which the motion may be on them
+  double between(const double* from, const double* to, std::size_t last) const {
+    const auto later = [&](double k) {  // by which it is farther from the block before, m^2
+      const ProgramPoint x = point_of(k);
+      return segment_distance2(from, point_, x.data(), n_) - segment_distance2(point_, to, x.data(), n_);
+    };
+    const double change = later(at_), way = change > 0.0 ? -1.0 : 1.0;
+    if (std::abs(change) <= rounding2 || static_cast<double>(last) <= at_) return at_;
+    double same = at_, other = at_;
+    do {
+      same = other;
+      other = std::clamp(way > 0.0 ? std::floor(same) + 1.0 : std::ceil(same) - 1.0, least_, static_cast<double>(last));
+      if (other == same) return at_;
+    } while (way * later(other) < 0.0);
+    for (int halvings = 0; halvings < 40; ++halvings) {
+      const double middle = 0.5 * (same + other);
+      (way * later(middle) < 0.0 ? same : other) = middle;
+    }
+    return other;
+  }
   double at() const { return at_; }
 
  private:
+  ProgramPoint point_of(double k) const {
+    const auto floor = static_cast<std::size_t>(k);
+    const double f = k - static_cast<double>(floor);
+    const double* const a = motion_.position.data() + floor * n_;
+    ProgramPoint x{};
+    for (std::size_t i = 0; i < n_; ++i) x[i] = a[i] + (f > 0.0 ? f * (a[n_ + i] - a[i]) : 0.0);
+    return x;
+  }
+
   const FreeSamples& motion_;
   const double* point_;
   std::size_t n_;
   double least_, at_, best_ = unlimited;
 };
+
+/// The place at which a motion passes joint j. Under a contour, every sample has to be near its own block.
+double pass_of(const NearestPlace& near, const Toolpath& path, std::size_t j, std::size_t last) {
+  const bool bounded = path.contour_max < unlimited && path.joint[j] != Joint::stop;
+  return bounded ? near.between(path.point(j), path.point(j + 2), last) : near.at();
+}
 
 /// The samples between which a filtered command may be at a joint.
 struct Stay {
@@ -102,11 +139,12 @@ FreeSamples sampled(const Toolpath& path, const Trajectory& trajectory, double s
   for (std::size_t j = 0; j + 1 < path.blocks(); ++j) {
     const auto place = static_cast<std::int64_t>(j);
     NearestPlace pass(motion, path.point(j + 1), n, least);
+    std::size_t end = 0;
     for (auto k = static_cast<std::size_t>(least) + 1;
          k < count && (std::min(first[k - 1], first[k]) + 1) / 2 <= place + 1; ++k) {
-      if (last[k] / 2 >= place) pass.offer(k);
+      if (last[k] / 2 >= place) pass.offer(k), end = k;
     }
-    motion.passes.push_back(least = pass.at());
+    motion.passes.push_back(least = pass_of(pass, path, j, end));
   }
   return motion;
 }
@@ -128,9 +166,9 @@ std::optional<FreeSamples> sampled(const Toolpath& path, const Plan& fixed, doub
   for (std::size_t j = 0; j < stays->size(); ++j) {
     NearestPlace pass(motion, path.point(j + 1), path.dimensions(), least);
     const Stay& stay = (*stays)[j];
-    for (std::size_t k = std::max(stay.first, static_cast<std::size_t>(least)) + 1; k <= std::min(stay.last, last); ++k)
-      pass.offer(k);
-    motion.passes.push_back(least = pass.at());
+    const std::size_t end = std::min(stay.last, last);
+    for (std::size_t k = std::max(stay.first, static_cast<std::size_t>(least)) + 1; k <= end; ++k) pass.offer(k);
+    motion.passes.push_back(least = pass_of(pass, path, j, end));
   }
   return motion;
 }

@@ -17,6 +17,7 @@
 #include <accdec/formats/json_text.hpp>
 #include <accdec/formats/json_value.hpp>
 #include <accdec/machine/limit_unit.hpp>
+#include <accdec/machine/position_unit.hpp>
 #include <accdec/machine/response.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/record/motion_proof_json.hpp>
@@ -26,7 +27,6 @@
 #include <accdec/plan/record/recorded_estimates.hpp>
 #include <accdec/plan/record/recorded_joints.hpp>
 #include <accdec/plan/report/plan_facts.hpp>
-#include <accdec/task.hpp>
 
 namespace accdec {
 namespace {
@@ -54,7 +54,7 @@ class Reader {
     if (record_.commands) read_commands(json_["commands"]), r.taps_control = control_of_taps(record_.task);
     if (record_.task.settings) {
       const bool width = r.settings && r.settings->chosen.width;
-      r.plan.path.control = planned_control(*record_.task.settings, width ? r.settings->chosen.width->middle() : 0.0);
+      r.plan.path.control = planned_control(record_.task, width ? r.settings->chosen.width->middle() : 0.0);
     }
     if (r.settings && record_.commands) check_settings_answer(json_["settings"], r);
     set_behind_response();
@@ -166,7 +166,7 @@ class Reader {
     if (json.has("tool_length_m")) in.tools.length = json["tool_length_m"].number();
     record_.task = parse_task(
         in.task_text, in.task_path + " (in " + name_ + ")",
-        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::loads});
+        {.require_corners = false, .axes = static_cast<int>(program_axis_count), .response = Considered::all});
     record_.result.task_machine = record_.task.machine;
     in.reading.error_max = record_.task.program_error_max;
     in.reading.room_for_chords = record_.schema == ProgramSchema::program_2;
@@ -204,7 +204,7 @@ class Reader {
       path.dwell.emplace_back(pair[0].integer<std::uint32_t>(), pair[1].number());
     }
     path.dwell_first = json["dwell_first_s"].number();
-    path.contour_max = record_.task.program_contour_max.value_or(unlimited);
+    path.contour_max = contour_in_units(record_.inputs.reading.contour_max, result.task_machine, path.dimensions());
     result.errors = json["error_m"].numbers_or_infinity();
     check_path(json);
     if (auto* command = std::get_if<FilteredCommand>(&result.plan.motion)) {

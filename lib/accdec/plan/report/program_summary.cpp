@@ -13,6 +13,7 @@
 #include <accdec/files/units.hpp>
 #include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/mode_text.hpp>
+#include <accdec/machine/position_unit.hpp>
 #include <accdec/plan/feeds/radius_error.hpp>
 #include <accdec/plan/filters/program_settings.hpp>
 #include <accdec/plan/report/axis_loads.hpp>
@@ -226,6 +227,10 @@ class SummaryText {
       };
       put("  positions are whole numbers of {:g} {}; differences of them read up to {:.4g} {} more jerk\n", 1e6 * unit,
           either("um", "mdeg"), 4e3 * unit / std::pow(result_.sample_period, 3), either("mm/s^3", "deg/s^3"));
+      const Toolpath& path = result_.plan.path;
+      put("  rounding moves a position by up to {:.4g} {}: corner errors do not count it{}\n",
+          1e6 * unit_rounding(result_.task_machine, path.dimensions()), either("um", "mdeg"),
+          path.contour_max < unlimited ? ", the contour has room for it" : "");
     }
     for (const FeedOverride& at : result_.overrides) {
       put("  {:<28}", fmt::format("feed override {:.0f} %", 100.0 * at.factor));

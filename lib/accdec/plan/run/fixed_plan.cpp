@@ -74,7 +74,7 @@ ProgramFilter taps_for_program(const Toolpath& path, const Task& task, const Pro
 }
 
 void mark_waits(Toolpath& path, const Task& task) {
-  if (task.settings) mark_waits(path, control_of(*task.settings, 0.0));
+  if (task.settings) mark_waits(path, control_of(task, 0.0));
 }
 
 /// As taps_for_program; settings if the task's control has families, and for taps whose control has only some delays.
@@ -108,8 +108,7 @@ ProgramFilter filter_for_program(const Toolpath& path, const Task& task, const P
 
 /// The delays that the task's control has.
 void set_control(Toolpath& path, const Task& task, const ProgramFilter& choice) {
-  if (task.settings)
-    give_control(path, planned_control(*task.settings, choice.settings ? choice.settings->width : 0.0));
+  if (task.settings) give_control(path, planned_control(task, choice.settings ? choice.settings->width : 0.0));
 }
 
 /// The time at the programmed feeds, and those of other rules for delays at these feeds.

@@ -21,9 +21,6 @@ namespace {
 }  // namespace
 
 void require_fixed(const Task& task, const Machine& machine, bool filter_bound) {
-  if (task.settings && task.settings->in_position_latency > 0.0)
-    throw RefusedKey("a program does not consider [controller] `in_position_latency_ms`; leave it out",
-                     {"in_position_latency_ms", "name", "file"});
   if (!has_servo(machine)) return;
   if (task.settings && task.settings->in_position_actual)
     throw RefusedKey(

@@ -12,7 +12,7 @@
 namespace accdec {
 
 Feeds feeds_of(const Task& task, Feeds asked) {
-  return task.settings && waits_at_ends(control_of(*task.settings, 0.0)) ? Feeds::keep : asked;
+  return task.settings && waits_at_ends(control_of(task, 0.0)) ? Feeds::keep : asked;
 }
 
 std::string breaks_at_feed(const std::vector<SlowedFeeds>& too_fast) {
@@ -27,11 +27,10 @@ std::string breaks_at_feed(const std::vector<SlowedFeeds>& too_fast) {
 TodaysTime todays_time(Toolpath path, const Task& task, Feeds asked, const Deadline& width, const Deadline& plan) {
   const Feeds feeds = feeds_of(task, asked);
   const Filter filter = make_filter(*todays_filter(task));
-  mark_waits(path, control_of(*task.settings, 0.0));
+  mark_waits(path, control_of(task, 0.0));
   // A time limit changes no work, so that whoever has none finds the same.
   const Effort effort(usual_seconds(path.blocks()), width);
-  give_control(path,
-               planned_control(*task.settings, width_for_program(path, task, filter, feeds == Feeds::keep, effort)));
+  give_control(path, planned_control(task, width_for_program(path, task, filter, feeds == Feeds::keep, effort)));
   const ProgramResult planned = run_program({"", std::move(path), task, feeds, plan}, filter);
   TodaysTime today{.cut = plan.over() || effort.ended_by_clock()};
   if (!planned.verification.feasible) return today;

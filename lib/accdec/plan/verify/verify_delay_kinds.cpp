@@ -101,9 +101,18 @@ class DelayKindsCheck {
       wrong(fmt::format("line {}: no lower feed passes this corner without a delay", path_.line[b]));
     if (kind != DelayKind::in_position || !result_.settings->chosen.width) return;
     const WidthInterval& width = *result_.settings->chosen.width;
+    // The control sees the motion within the width its latency before it starts the next block.
+    const double late = task_.settings->in_position_latency;
+    const int seen = static_cast<int>(std::floor(delay - late / task_.sample_period + 0.5));
+    if (seen < 0) {
+      return wrong(
+          fmt::format("line {}: a delay of {} samples is shorter than the control's in-position latency of "
+                      "{:.6g} ms",
+                      path_.line[b], delay, 1e3 * late));
+    }
     double before = unlimited;
-    for (int d = 0; d < delay; ++d) before = std::min(before, distance(motion, b, d));
-    if (distance(motion, b, delay) > width.low * (1.0 + rounding) + position_rounding ||
+    for (int d = 0; d < seen; ++d) before = std::min(before, distance(motion, b, d));
+    if (distance(motion, b, seen) > width.low * (1.0 + rounding) + position_rounding ||
         before < width.high * (1.0 - rounding) - position_rounding)
       wrong(fmt::format("line {}: in-position widths from {:.9g} to {:.9g} m do not give a delay of {} samples",
                         path_.line[b], width.low, width.high, delay));
