@@ -23,8 +23,10 @@ def task_of(rng):
     if len(task["axis"]) == 1 and "servo_gain_1_s" in axis and rng.random() < 0.5:  # axes that differ
         slower = max(1.0, axis["servo_gain_1_s"] * rng.uniform(0.6, 1.0))
         task["axis"] = [{"name": "x", **axis}, {"name": "y", **axis, "servo_gain_1_s": slower}]
-    for axis in task["axis"]:
-        if "mass_kg" in axis and rng.random() < 0.3:
+    for axis in task["axis"]:  # a servo moves a mass after the last sample of the program
+        if "servo_gain_1_s" in axis or "response_taps" in axis:
+            axis.setdefault("mass_kg", 20.0), axis.setdefault("damping_N_s_m", 100.0)
+        if "force_max_N" in axis and rng.random() < 0.3:
             axis["force_rms_N"] = axis["force_max_N"] * rng.uniform(0.5, 1.0)
     period, at, heading = task["sample_period_ms"], np.zeros(2), rng.uniform(0.0, 2.0 * math.pi)
     filter_way = corner["feed_in_mm_min"] / 6e4 * period * 20.0  # mm
