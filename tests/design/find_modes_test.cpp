@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -319,6 +320,15 @@ TEST(FindModes, NoiseIsNotManyJolts) {
     for (const FoundMode& mode : find_modes({log_period, {"x"}, {logged(known, Push::noise, 28.0, 0.02, seed)}}))
       EXPECT_EQ(mode.excitation, Excitation::noise) << seed;
   }
+}
+
+/// Gravity of 9800 mm/s^2, as interpolation rounds it.
+TEST(FindModes, InventsNoneInRounding) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> digits(-2, 2);
+  std::vector<double> still(64000);
+  for (double& value : still) value = 9.8 * (1.0 + digits(random) * std::numeric_limits<double>::epsilon());
+  EXPECT_THAT(find_modes({log_period, {"z"}, {still}}), ::testing::IsEmpty());
 }
 
 TEST(FindModes, RefusesWhatIsTooShort) {

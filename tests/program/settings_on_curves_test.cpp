@@ -62,8 +62,8 @@ TEST_F(ProgramCommand, VeryManyJointsOfALegKeepTheirFeeds) {
   const Filter filter = Filter(std::vector<double>(20, 0.05));
   Effort effort;
   EXPECT_EQ(lost_on_curves(path, filter, task.sample_period, machine, effort), unlimited);
-  const PairwiseTimes kept(path, filter, task.sample_period, machine, effort, false);
-  const PairwiseTimes slowed(path, filter, task.sample_period, machine, effort, true);
+  const PairwiseTimes kept(path, filter, task.sample_period, machine, effort, false, false);
+  const PairwiseTimes slowed(path, filter, task.sample_period, machine, effort, false, true);
   EXPECT_TRUE(kept.curves_delayed());
   EXPECT_EQ(slowed.any(), kept.any());
 }

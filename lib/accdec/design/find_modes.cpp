@@ -154,6 +154,13 @@ std::vector<FoundMode> with_doubts(std::vector<FoundMode> modes) {
   return kept;
 }
 
+/// Whether a signal changes by no more than its rounding, which has a spectrum, too.
+bool stands_still(std::span<const double> signal) {
+  constexpr double rounding = 1e-9;
+  const auto [low, high] = std::minmax_element(signal.begin(), signal.end());
+  return *high - *low <= rounding * std::max(std::abs(*low), std::abs(*high));
+}
+
 }  // namespace
 
 std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOptions& options) {
@@ -179,6 +186,7 @@ std::vector<FoundMode> find_modes(const VibrationLog& log, const FindModesOption
   std::vector<FoundMode> all;
   for (std::size_t a = 0; a < log.axes.size(); ++a) {
     const std::span<const double> signal(log.acceleration[a]);
+    if (stands_still(signal)) continue;
     std::vector<std::vector<Weighed>> others;
     std::vector<Weighed> all_of_axis = modes_of_sweep(signal, log.period, used);
     const bool swept = !all_of_axis.empty();  // each part has other frequencies
