@@ -108,7 +108,7 @@ void print_accepted(const ProgramRecord& record, const RecordCheck& check, bool 
   if (proved)
     fmt::print("bound accepted: multipliers prove that any motion takes {:.6g} s or more; the result says {:.6g} s\n",
                check.proved_bound, record.result.corner_bound->any_motion);
-  if (const std::string ends = judged_at_ends(record.result); !ends.empty()) fmt::print("{}\n", ends);
+  for (const std::string& left_out : left_out_by_residuals(record.result)) fmt::print("{}\n", left_out);
   for (const std::string& left : left_at_rest_in_words(record.result, left_at_rest(record.result)))
     fmt::print("{}\n", left);
   if (const double unit = record.task.machine.position_unit; unit > 0.0)

@@ -358,6 +358,8 @@ TEST_F(LoadsCommand, FrictionOfARotaryAxisIsATorque) {
   EXPECT_THAT(read("out"), HasSubstr(text));
   EXPECT_THAT(read("out"), HasSubstr("% of its rating"));
   EXPECT_THAT(read("out"), Not(HasSubstr("thermal rating of the drive")));
+  EXPECT_EQ(run("program turn.ngc --task turn.toml --plan profiles").code, 2);
+  EXPECT_THAT(read("err"), HasSubstr("turn.toml:10:1: plan profiles does not consider `coulomb_N_m`; leave it out"));
   write("line.ngc", "G1 X90 F6000\nM2\n");
   EXPECT_EQ(run("program line.ngc --task turn.toml").code, 2);
   EXPECT_THAT(read("err"), HasSubstr("line.ngc:1:4: axis X is not among the axes of the task"));

@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include <accdec/filter.hpp>
+#include <accdec/plan/verify/used_limits.hpp>
 #include <accdec/program.hpp>
+#include <accdec/simulate/direct.hpp>
 
 #include "program_command.hpp"
 #include "reference.hpp"
@@ -206,8 +208,9 @@ TEST(ProgramServo, CostsTime) {
   EXPECT_NEAR(time(9000.0), ideal, 0.01 * ideal);
 }
 
-/// One move at constant speed behind r_0 = 1 - c, r_k = c (1 - a) a^(k-1), with viscous friction alone. The mean counts
-/// the samples of the move and one at rest, in which the axis still moves.
+/// One move at constant speed behind r_0 = 1 - c, r_k = c (1 - a) a^(k-1), with viscous friction alone. After k samples
+/// of the move, 1 - c a^(k-1) of its speed is reached. Behind its end, c (1 - a^n) a^k of it is left. Both count, over
+/// the samples of the move and one at rest.
 TEST(ProgramServo, TheMeanForceIsOverTheProgramsTime) {
   constexpr double gain = 40.0, v = 0.1, n = 300.0;
   Task task = servo_task(gain, 0.0);
@@ -219,8 +222,39 @@ TEST(ProgramServo, TheMeanForceIsOverTheProgramsTime) {
   ASSERT_EQ(result.check.samples, n + 1);
   const double a = std::exp(-gain * 1e-3), c = (1.0 - a) / (gain * 1e-3), left = std::pow(a, n);
   const double squares = n - 2.0 * c * (1.0 - left) / (1.0 - a) + c * c * (1.0 - left * left) / (1.0 - a * a) +
-                         std::pow(c * (1.0 - left), 2);
+                         c * c * (1.0 - left) * (1.0 - left) / (1.0 - a * a);
   EXPECT_NEAR(result.loads[0].rms, 60.0 * v * std::sqrt(squares / (n + 1)), 1e-9);
+}
+
+/// A motion that begins after the program's last sample heats a drive as much as one without this dead time: n samples
+/// at v/(n T) up, and n down. The plan is slowed until the drive keeps its rating, by the verifier's formula, too.
+TEST(ProgramServo, DeadTimeDoesNotCoolADrive) {
+  constexpr int n = 20;
+  constexpr double v = 0.1, peak = 20.0 * v / (n * 1e-3);
+  Task task = servo_task(unlimited, 0.0);
+  for (Axis& axis : task.machine.axes) {
+    axis.acceleration_max = axis.jerk_max = axis.force_max = unlimited, axis.damping = 0.0;
+    axis.response_taps.assign(200, 0.0), axis.response_taps.back() = 1.0;
+  }
+  const auto planned = [&] {
+    return run_program({"part", test::path_of("G1 X3 F6000\nM2\n", task.machine), task},
+                       Filter(std::vector<double>(n, 1.0 / n)));
+  };
+  const ProgramResult warm = planned();
+  ASSERT_EQ(warm.check.samples, 30 + n);
+  EXPECT_NEAR(warm.loads[0].peak, peak, 1e-6);
+  const double rms = peak * std::sqrt(2.0 * n / (30 + n));
+  EXPECT_NEAR(warm.loads[0].rms, rms, 1e-6);
+  task.machine.axes[0].force_rms_max = 0.7 * rms;
+  const ProgramResult cool = planned();
+  const DirectMotion command =
+      direct_motion(cool.plan.path, 1e-3, {}, {.filters = {cool.plan.filter()}, .of_block = {}, .behind = 200});
+  EXPECT_NEAR(rms_force(behind_servos(command, task.machine, 1e-3), task.machine.axes[0], 0, 1e-3), cool.loads[0].rms,
+              1e-9 * rms);
+  ASSERT_TRUE(cool.verification.feasible) << cool.message;
+  const double move = static_cast<double>(cool.check.samples) - n;  // samples; the feed is 3 mm over them
+  EXPECT_NEAR(cool.loads[0].rms, 20.0 * 3e-3 / (move * n * 1e-6) * std::sqrt(2.0 * n / (move + n)), 1e-6);
+  EXPECT_LE(cool.loads[0].rms, 0.7 * rms * (1.0 + 1e-9));
 }
 
 class ServoCommand : public ProgramCommand {

@@ -121,7 +121,7 @@ def test_limits_of_programs_are_an_argument():
 
 @pytest.mark.parametrize("fields, arguments, wanted", [
     ({"modes": {"frequency": 40, "residual_max": 0.1}}, {"plan": "free"}, 'modes.*plan="profiles"'),
-    ({"program": {"contour_max": 1e-5}}, {"plan": "profiles"}, 'contour_max.*plan="fixed"'),
+    ({"axes": {"acceleration_max": 5.0, "servo_gain": 100}}, {"plan": "profiles"}, 'servo_gain.*plan="fixed"'),
     ({"axes": {"acceleration_max": 5.0, "servo_gain": 100}}, {"filter_bound": True}, "filter_bound.*servo_gain, "),
     ({"coefficient_bits": 16}, {}, "^coefficient_bits is for designs"),
     ({"axes": {}}, {"estimate": ["grbl"]}, "needs acceleration_max of axis")])

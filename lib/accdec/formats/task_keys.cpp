@@ -204,7 +204,8 @@ std::vector<Key> axis_keys() {
   add_limits(true);
   keys.push_back(force_speed_of_files());
   keys.push_back({.name = "force_rms_N",
-                  .meaning = "rating of the drive: root mean square of the force over a whole program, dwells included",
+                  .meaning = "rating of the drive: root mean square of the force over a whole program, dwells and the "
+                             "servo's last motion included",
                   .unit = "N",
                   .range = {0.0, 1e8, true},
                   .fallback = "no limit",

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <accdec/files/refused_key.hpp>
 #include <accdec/machine.hpp>
 #include <accdec/machine/considered_by.hpp>
+#include <accdec/machine/limit_unit.hpp>
 #include <accdec/machine/limits.hpp>
 
 namespace accdec {
@@ -105,14 +107,20 @@ bool has_force_curve(const Machine& machine) {
 }
 
 void require_no_shared_loads(const Machine& machine, const char* what, std::string_view instead) {
-  const char* key = machine.power_total_max < unlimited          ? "power_total_max_W"
-                    : machine.regeneration_total_max < unlimited ? "regeneration_total_max_W"
-                    : has_dry_friction(machine)                  ? "coulomb_N"
-                    : has_force_curve(machine)                   ? "force_speed_N"
-                    : has_mode_of_axis(machine)                  ? "residual_max_um"
-                                                                 : nullptr;
-  if (key == nullptr) return;
-  throw RefusedKey(fmt::format("{} does not consider `{}`; {}", what, key, instead), {key});
+  using Keys = std::vector<std::string>;
+  Keys keys = machine.power_total_max < unlimited          ? Keys{"power_total_max_W"}
+              : machine.regeneration_total_max < unlimited ? Keys{"regeneration_total_max_W"}
+              : has_dry_friction(machine)                  ? Keys{"coulomb_N", "coulomb_N_m"}
+              : has_force_curve(machine)                   ? Keys{"force_speed_N", "torque_speed_N_m"}
+              : has_mode_of_axis(machine)                  ? Keys{"residual_max_um"}
+                                                           : Keys{};
+  if (keys.empty()) return;
+  // The key that the first such axis most likely has: an axis that turns may have either.
+  const auto loaded = std::ranges::find_if(machine.axes, [&](const Axis& axis) {
+    return has_dry_friction(machine) ? axis.coulomb > 0.0 : axis.force_speed_max < unlimited;
+  });
+  if (keys.size() == 2 && is_rotary(loaded->name)) std::swap(keys[0], keys[1]);
+  throw RefusedKey(fmt::format("{} does not consider `{}`; {}", what, keys.front(), instead), keys);
 }
 
 void require_no_modes_of_axes(const Machine& machine, const char* what) {

@@ -130,8 +130,9 @@ struct ControlEstimate {
   std::vector<std::string> unknown;  ///< what the task or the program asks for and this control does not know
 };
 
-/// The force of an axis over a whole program, dwells and rests included. The mean is over the samples of the program.
-/// Behind a servo, the axis still moves after the last of them: the peak counts that, the mean does not.
+/// The force of an axis over a whole program, dwells and rests included. Behind a servo, the axis still moves after the
+/// last sample of the program: peak and mean count that motion, too. The mean is over the program's time, as in a
+/// program that is repeated without a pause.
 struct AxisLoad {
   std::string axis;
   double peak = 0.0;           ///< N, largest |F|

@@ -36,8 +36,9 @@ void compare_names(const ProgramRecord& record, std::vector<std::string>& reason
 
 /// s; no plan at the programmed feeds comes near. Ten times what a stop after every move takes, at half the feeds that
 /// the filter surely starts and stops. The plan may have longer or shorter chords of arcs.
-double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, double sample_period,
+double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, const Task& task,
                              const Machine& machine) {
+  const double sample_period = task.sample_period, latency = task.settings ? task.settings->in_position_latency : 0.0;
   const BlendLimits limits(filter, machine, sample_period);
   const std::size_t n = programmed.dimensions();
   std::vector<double> velocity(n);
@@ -48,7 +49,7 @@ double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, d
     time += 2.0 * programmed.duration[b] / limits.start_factor(velocity.data());
   }
   for (const auto& [block, delay] : programmed.given_delays) time += delay;
-  const double stop = (filter.order() + 2.0) * sample_period;
+  const double stop = (filter.order() + 2.0) * sample_period + latency;
   return 10.0 * (time + stop * static_cast<double>(programmed.blocks() + 1));
 }
 
@@ -109,7 +110,7 @@ void compare_with_program(const ProgramRecord& record, Toolpath programmed, Prog
   if (found.plan.command() != nullptr) {
     const Filter& filter = found.plan.filter();
     // The recorded time is held against this, see program_differences.
-    found.cycle_time_kept = slowest_at_kept_feeds(programmed, filter, found.sample_period, machine);
+    found.cycle_time_kept = slowest_at_kept_feeds(programmed, filter, record.task, machine);
     snap_durations(programmed, filter, found.sample_period, machine);
   }
   found.lower_bound = program_lower_bound(programmed, machine, found.sample_period);

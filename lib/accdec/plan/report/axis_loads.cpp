@@ -12,7 +12,7 @@ namespace {
 /// Force of one axis, sample by sample, from rest on.
 class Loaded {
  public:
-  /// @param samples  of the program: the mean is over these
+  /// @param samples  of the program: the mean is over their time, and counts the motion of a servo after them, too
   Loaded(const Axis& axis, std::size_t dimension, double period, std::int64_t samples)
       : axis_(&axis), dimension_(dimension), period_(period), samples_(samples) {}
 
@@ -23,9 +23,8 @@ class Loaded {
         axis_state(*axis_, velocity, (velocity - before_) / period_, 0.0, standing_speed(period_)).force;
     before_ = velocity;
     peak_ = std::max(peak_, std::abs(force));
-    const std::int64_t counted = std::min(number, samples_) - std::min(number_, samples_);
+    squares_ += static_cast<long double>(number - number_) * force * force;
     number_ = number;
-    squares_ += static_cast<long double>(counted) * force * force;
   }
   AxisLoad finish(const Toolpath& path) {
     look(0.0, number_ + 1);

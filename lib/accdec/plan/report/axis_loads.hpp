@@ -8,7 +8,8 @@
 namespace accdec {
 
 /// The force of every axis with a load over the whole program, m a + c v and dry friction of the motion at every
-/// sample, dwells and rests included. Reads all samples of the plan; none is read if no axis has a load.
+/// sample. Dwells, rests and what follows behind a servo count. Reads all samples of the plan; none is read if no axis
+/// has a load.
 /// @param machine  as many axes as the path
 std::vector<AxisLoad> axis_loads(const ProgramResult& result, const Machine& machine);
 

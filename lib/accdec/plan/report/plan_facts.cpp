@@ -53,15 +53,23 @@ std::size_t smooth_turns(const Toolpath& path) {
   return static_cast<std::size_t>(std::count(path.joint.begin(), path.joint.end(), Joint::smooth));
 }
 
-std::string judged_at_ends(const ProgramResult& result) {
+std::vector<std::string> left_out_by_residuals(const ProgramResult& result) {
   std::set<std::string> axes;
   for (const LimitUse& use : result.check.limits) {
     if (use.kind == LimitKind::residual) axes.insert(use.axis);
   }
-  const std::size_t turns = smooth_turns(result.plan.path);
-  if (axes.empty() || turns == 0) return "";
-  return fmt::format("{} of {}: judged at the ends of arcs and other smooth turns, not inside them ({} points)",
-                     to_string(LimitKind::residual), fmt::join(axes, ", "), turns);
+  std::vector<std::string> left_out;
+  if (axes.empty()) return left_out;
+  const std::string of = fmt::format("{} of {}: ", to_string(LimitKind::residual), fmt::join(axes, ", "));
+  const Toolpath& path = result.plan.path;
+  if (const std::size_t turns = smooth_turns(path); turns > 0)
+    left_out.push_back(
+        fmt::format("{}judged at the ends of arcs and other smooth turns, not inside them ({} points)", of, turns));
+  bool passed = false;
+  for (std::size_t b = 0; b + 1 < path.blocks() && !passed; ++b) passed = !rests_after(result.plan, b);
+  if (passed)
+    left_out.push_back(of + "earlier corners are not added where the motion has gone on evenly since, except at rests");
+  return left_out;
 }
 
 double largest_widening(const Toolpath& path) {

@@ -26,8 +26,9 @@ std::size_t blocks_of(const Toolpath& programmed);
 /// an amplitude that a mode of an axis keeps is judged at the ends of such turns, not inside them.
 std::size_t smooth_turns(const Toolpath& path);
 
-/// The same in words, with the axes whose modes' amplitudes are limited; empty: there is no such turn or no such limit.
-std::string judged_at_ends(const ProgramResult& result);
+/// Sentences on the vibration that limits of modes of axes do not count: inside smooth turns, and that of corners
+/// before a leg on which the motion goes on evenly. Empty: no such limit, or nothing is left out.
+std::vector<std::string> left_out_by_residuals(const ProgramResult& result);
 
 /// Largest distance by which points of arcs were moved out, m, so that filtered arcs have their programmed radius.
 double largest_widening(const Toolpath& path);

@@ -286,7 +286,7 @@ class SummaryText {
     if (std::ranges::any_of(uses, [](const LimitUse& use) { return use.kind == LimitKind::force_speed; }))
       put("  force speed: a sample's force and the curve's at its speed, both in proportion as at standstill\n");
     beside_arcs();
-    if (const std::string ends = judged_at_ends(result_); !ends.empty()) put("  {}\n", ends);
+    for (const std::string& left_out : left_out_by_residuals(result_)) put("  {}\n", left_out);
     for (const std::string& left : left_at_rest_in_words(result_, left_at_rest_)) put("  {}\n", left);
     for (const AxisLoad& load : result_.loads) {
       const auto [unit, per_si] = limit_unit(LimitKind::force, load.axis);

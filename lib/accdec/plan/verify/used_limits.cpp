@@ -91,10 +91,9 @@ UseOfLimit use_of_axis(const DirectMotion& motion, const Axis& axis, std::size_t
 
 double rms_force(const DirectMotion& motion, const Axis& axis, std::size_t a, double period) {
   const MovedAxis moved(motion.velocity[a], axis, period);
-  const std::int64_t last = std::min(motion.kept(motion.samples), std::ssize(motion.velocity[a]) - 1);
   long double squares = 0.0L;  // rests that are left out have none
-  for (std::int64_t k = 0; k <= last; ++k) {
-    const long double force = moved.force(static_cast<std::size_t>(k));
+  for (std::size_t k = 0; k < motion.velocity[a].size(); ++k) {
+    const long double force = moved.force(k);
     squares += force * force;
   }
   return static_cast<double>(std::sqrt(squares / static_cast<long double>(std::max<std::int64_t>(motion.samples, 1))));

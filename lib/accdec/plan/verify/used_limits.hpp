@@ -44,7 +44,8 @@ class UseOfLimit {
 double force_of(const Axis& axis, double velocity, double acceleration, double period);
 /// The use of a limit by one axis. References are kept.
 UseOfLimit use_of_axis(const DirectMotion& motion, const Axis& axis, std::size_t a, LimitKind kind, double period);
-/// Root mean square of the force of an axis over the program, N, rests included.
+/// Root mean square of the force of an axis over the program's time, N, rests included. The motion behind a servo
+/// counts until it rests.
 double rms_force(const DirectMotion& motion, const Axis& axis, std::size_t a, double period);
 /// The use of the supply by all axes together. References are kept. @param kind  power_total or regeneration_total
 UseOfLimit use_of_supply(const DirectMotion& motion, const Machine& machine, LimitKind kind, double period);
