@@ -116,7 +116,7 @@ void require_no_shared_loads(const Machine& machine, const char* what, std::stri
                                                            : Keys{};
   if (keys.empty()) return;
   // The key that the first such axis most likely has: an axis that turns may have either.
-  const auto loaded = std::ranges::find_if(machine.axes, [&](const Axis& axis) {
+  const auto loaded = std::find_if(machine.axes.begin(), machine.axes.end(), [&](const Axis& axis) {
     return has_dry_friction(machine) ? axis.coulomb > 0.0 : axis.force_speed_max < unlimited;
   });
   if (keys.size() == 2 && is_rotary(loaded->name)) std::swap(keys[0], keys[1]);

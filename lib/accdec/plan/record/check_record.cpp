@@ -35,7 +35,8 @@ void compare_names(const ProgramRecord& record, std::vector<std::string>& reason
 }
 
 /// s; no plan at the programmed feeds comes near. Ten times what a stop after every move takes, at half the feeds that
-/// the filter surely starts and stops. The plan may have longer or shorter chords of arcs.
+/// the filter surely starts and stops. The plan may have longer or shorter chords of arcs. A control that cannot stop
+/// at will lowers its feeds until its delays do, to a hundredth if need be.
 double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, const Task& task,
                              const Machine& machine) {
   const double sample_period = task.sample_period, latency = task.settings ? task.settings->in_position_latency : 0.0;
@@ -50,7 +51,9 @@ double slowest_at_kept_feeds(const Toolpath& programmed, const Filter& filter, c
   }
   for (const auto& [block, delay] : programmed.given_delays) time += delay;
   const double stop = (filter.order() + 2.0) * sample_period + latency;
-  return 10.0 * (time + stop * static_cast<double>(programmed.blocks() + 1));
+  const bool stops_at_will =
+      !task.settings || task.settings->any_delay() || task.settings->names(DelayKind::exact_stop);
+  return (stops_at_will ? 10.0 : 1000.0) * (time + stop * static_cast<double>(programmed.blocks() + 1));
 }
 
 /// Estimates of other controls' times follow from the program and what they were asked with.
