@@ -78,7 +78,7 @@ def with_loads(accdec, home, task):
         file.write_text(task.read_text() + lines)
         said, result = planned(accdec, home, code, file, "fixed")
         check(result, f"{name}: the command line plans it {said}".strip())
-        refusal, _ = planned(accdec, home, code, file, "profiles")
+        refusal, profiles = planned(accdec, home, code, file, "profiles")
         program = Program(accdec, code, "--task", file, cwd=home)
         start = json.loads(program.ask("GET", program.path + "start")[1])["program"]
         program.end()
@@ -86,6 +86,10 @@ def with_loads(accdec, home, task):
         took = result["cycle_time_s"]
         check([p["cycle_time_s"] for p in fixed] == [took], f"{name}: the page has that plan, {took} s")
         loads_of_motion(name, fixed[0], result, 1e-3)
+        if profiles:
+            of_positions = [p["cycle_time_s"] for p in start["plans"] if p["plan"] == "profiles"]
+            check(of_positions == [profiles["cycle_time_s"]], f"{name}: the page has plan profiles, {of_positions}")
+            continue
         # The command line names the line of the task, too.
         why = re.sub(r"^\S+:\d+:\d+: ", "", refusal.removeprefix("accdec: ").removeprefix("error: ")).split(";")[0]
         check(why and start["others"] == [f"Plan profiles is not available for this task: {why}."],
