@@ -140,6 +140,20 @@ TEST(Quantise, FewBitsAreNoSlowerThanAveragesOfPowersOfTwo) {
   EXPECT_LE(result.objective(), averages.objective() * (1.0 + 1e-12));
 }
 
+/// Zeros at the ends of taps only take time.
+TEST(Quantise, NoCoefficientAtAnEndIsZero) {
+  for (const int bits : {8, 10}) {
+    Task task = read_task(test_support::source_folder() + "/problems/machine/three-corners.toml");
+    task.design.coefficient_bits = bits;
+    DesignOptions options;
+    options.time_limit = 5.0;
+    const DesignResult result = design_task(task, options);
+    if (!result.has_design()) continue;
+    EXPECT_GT(result.quantisation->coefficients.front(), 0) << bits;
+    EXPECT_GT(result.quantisation->coefficients.back(), 0) << bits;
+  }
+}
+
 TEST(Quantise, SymmetricTapsStaySymmetric) {
   Task task = read_task(test_support::source_folder() + "/problems/corner/acceleration-jerk.toml");
   task.design.symmetric = true;

@@ -82,7 +82,7 @@ TEST_F(ProgramTable, TheRowOfProgrammedFeedsIsThatOfKeptFeeds) {
 TEST_F(ProgramTable, PlanProfilesThatWasNotCheckedInTimeIsNamed) {
   write("slow.toml",
         "sample_period_ms = 0.1\n[[axis]]\nvelocity_max_mm_s = 500\n"
-        "acceleration_max_mm_s2 = 0.001\njerk_max_mm_s3 = 20000\n");
+        "acceleration_max_mm_s2 = 0.001\njerk_max_mm_s3 = 20000\n[filter]\nkind = \"boxcar\"\norder = 9999\n");
   write("part.ngc", "G21 G90 G64 P0.05\nG1 X100000 F10000\nM2\n");  // 2e8 samples that are never steady
   for (const char* plan : {"profiles", "free"}) {
     const auto done =
@@ -91,7 +91,7 @@ TEST_F(ProgramTable, PlanProfilesThatWasNotCheckedInTimeIsNamed) {
     EXPECT_THAT(done.out, HasSubstr("plan fixed, filter of"));
     EXPECT_THAT(done.out, HasSubstr("plan profiles, not checked within the time limit"));
     EXPECT_THAT(done.out, HasSubstr("verified: every sample simulated, all bounds hold"));
-    // From rest to rest along 100 m at 0.001 mm/s^2: at least 2 sqrt(L/a). A filter of at most 401 taps rises by steps.
+    // From rest to rest along 100 m at 0.001 mm/s^2: at least 2 sqrt(L/a). The boxcar of 1 s rises evenly.
     EXPECT_GE(number_of("r.json", "cycle_time_s"), 2.0 * std::sqrt(100.0 / 1e-6));
   }
 }

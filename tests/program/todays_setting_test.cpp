@@ -13,6 +13,7 @@
 #include <accdec/program.hpp>
 #include <accdec/task/settings_text.hpp>
 
+#include "corner_program.hpp"
 #include "program_command.hpp"
 #include "reference.hpp"
 
@@ -208,6 +209,18 @@ TEST_F(ProgramCommand, ASearchForSettingsEndsAtTheSamePlace) {
   EXPECT_EQ(first->search_limit, second->search_limit);
   EXPECT_EQ(first->chosen.filter.lengths, second->chosen.filter.lengths);
   EXPECT_EQ(first->width, second->width);
+}
+
+TEST_F(ProgramCommand, APlanWithoutTheSettingsOfItsTaskIsRejected) {
+  write("control.toml", std::string(test::corner_machine) + "[design]\nfamily = \"averages\"\nstages = 1\n");
+  write("part.ngc", test::corner_program);
+  ASSERT_EQ(run("program part.ngc --task control.toml --json r.json").code, 0) << read("err");
+  nlohmann::ordered_json record = nlohmann::ordered_json::parse(read("r.json"));
+  record.erase("settings");
+  write("forged.json", record.dump());
+  const Output verified = run("verify forged.json");
+  EXPECT_EQ(verified.code, 1);
+  EXPECT_THAT(verified.out + verified.err, HasSubstr("the task asks for settings, none are recorded"));
 }
 
 }  // namespace

@@ -125,6 +125,23 @@ bool about_these_delays(const std::vector<TaskCorner>& proved, const DesignResul
   return true;
 }
 
+/// Without zeros at the ends, which only make a filter longer.
+Coefficients trimmed(Coefficients c, const DesignBounds& bounds) {
+  const auto least = static_cast<std::size_t>(bounds.order_min) + 1;
+  const auto drop_last = [&](bool both) {
+    while (c.size() > least + (both ? 1 : 0) && c.back() == 0 && (!both || c.front() == 0)) {
+      c.pop_back();
+      if (both) c.erase(c.begin());
+    }
+  };
+  drop_last(bounds.symmetric);
+  if (bounds.symmetric) return c;
+  std::reverse(c.begin(), c.end());
+  drop_last(false);
+  std::reverse(c.begin(), c.end());
+  return c;
+}
+
 class QuantisedDesign {
  public:
   QuantisedDesign(const Task& task, const DesignOptions& options)
@@ -254,8 +271,9 @@ class QuantisedDesign {
     const double size = 1.0 + 0.03 * filter.order();
     long left = static_cast<long>(exchanges_max / (size * size));
     const auto stop = [&] { return --left < 0 || late(); };
-    const auto rounded = round_under_limits(task_, filter, delays, bits_, stop);
+    auto rounded = round_under_limits(task_, filter, delays, bits_, stop);
     if (!rounded) return false;
+    rounded = trimmed(std::move(*rounded), task_.design);
     const Filter quantised = filter_of_coefficients(*rounded);
     DesignResult found =
         task_.settings ? with_kinds(quantised) : assess(task_, quantised, smallest_delays(quantised, delays), false);

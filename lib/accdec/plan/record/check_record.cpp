@@ -10,6 +10,7 @@
 #include <accdec/bounds/corner_bound.hpp>
 #include <accdec/bounds/filter_bound.hpp>
 #include <accdec/bounds/lower_bound.hpp>
+#include <accdec/gcode/emitted_filters.hpp>
 #include <accdec/plan/command/program_plan.hpp>
 #include <accdec/plan/feeds/control_delay.hpp>
 #include <accdec/plan/filters/settings_for_program.hpp>
@@ -32,6 +33,16 @@ void compare_names(const ProgramRecord& record, std::vector<std::string>& reason
   if (record.result.program == record.inputs.program) return;
   reasons.push_back(
       fmt::format("program is recorded as {}, inputs.program as {}", record.result.program, record.inputs.program));
+}
+
+/// Whether a plan with one filter has none of the settings that its task asks for. A program that --emit wrote may have
+/// brought its filter along.
+/// @param programmed  null: not read again
+bool lacks_settings(const ProgramRecord& record, const Toolpath* programmed) {
+  const auto& control = record.task.settings;
+  if (!control || !control->names_family() || record.result.settings || record.result.plan.command() == nullptr)
+    return false;
+  return !record.inputs.reading.dwells_before_filter || (programmed != nullptr && !emitted_filter(*programmed));
 }
 
 /// s; no plan at the programmed feeds comes near. Ten times what a stop after every move takes, at half the feeds that
@@ -217,6 +228,8 @@ RecordCheck check_plan(std::string_view text, const ProgramRecord& record, std::
   check.found.corner_bound = std::move(corners);
   check.reasons.insert(check.reasons.end(), reasons.begin(), reasons.end());
   compare_names(record, check.reasons);
+  if (lacks_settings(record, programmed ? &*programmed : nullptr))
+    check.reasons.emplace_back("the task asks for settings, none are recorded");
   if (record.result.plan.path.tolerance.back() < unlimited || record.result.errors.back() != 0.0)
     check.reasons.emplace_back("no move follows the last block: its tolerance must be null, and its error 0");
   std::vector<std::string> skip;

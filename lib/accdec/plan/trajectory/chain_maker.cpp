@@ -61,13 +61,15 @@ std::size_t after_last_stop(const ProfileChain& part) {
   return from;
 }
 
-/// The same, with the speeds of corners and the peaks of legs from `from` on lower by up to `less` of them. They fall
-/// from nothing at both ends to most in the middle third: short legs at the ends leave no room for a change of speed.
-ProfileChain slowed(const ProfileChain& part, std::size_t from, double less) {
+/// The same, with the speeds of corners and the peaks of legs from `from` on lower by `less` of them.
+/// @param tapered  by nothing at both ends and by that in the middle third: short legs at the ends may leave no room
+/// for
+///                 a change of speed
+ProfileChain slowed(const ProfileChain& part, std::size_t from, double less, bool tapered) {
   ProfileChain slow = part;
   const auto legs = static_cast<double>(part.legs() - from);
   const auto share = [&](double behind) {
-    return 1.0 - less * std::min(1.0, 3.0 * std::min(behind, legs - behind) / legs);
+    return 1.0 - less * (tapered ? std::min(1.0, 3.0 * std::min(behind, legs - behind) / legs) : 1.0);
   };
   for (std::size_t c = from + 1; c < part.legs(); ++c) {
     slow.speed_max[c] = share(static_cast<double>(c - from)) * part.speed[c];
@@ -80,20 +82,18 @@ ProfileChain slowed(const ProfileChain& part, std::size_t from, double less) {
   return slow;
 }
 
-/// Slows legs from `from` on until they take `wanted` and a whole number of samples. False if too little can be slowed
-/// without changing the speeds at the ends.
-bool take_whole_samples(ProfileChain& part, std::size_t from, double wanted, double period) {
+constexpr double exact = 1e-9;            // of a sample
+constexpr double less_max = 0.3;          // of a speed, that a part may lose
+constexpr std::size_t very_many = 50000;  // legs
+
+/// Slows legs from `from` on until they take so much more, s. False if too little can be slowed without changing the
+/// speeds at the ends.
+bool take_longer(ProfileChain& part, std::size_t from, double more, double period, bool tapered) {
   const double time = chain_time(part, from, part.legs());
-  constexpr double exact = 1e-9;  // of a sample
-  double more = (wanted - time) / period;
-  more -= std::floor(more);
-  if (more < exact || more > 1.0 - exact) return true;
-  more *= period;
   // Finds how much less by false position, because the time rises nearly linearly with it.
-  constexpr double less_max = 0.3;
   double low = 0.0, high = std::min(less_max, 2.0 * more / time), below = -more, above = 0.0;
   while (true) {
-    const ProfileChain slow = slowed(part, from, high);
+    const ProfileChain slow = slowed(part, from, high, tapered);
     if (!keeps_ends(slow)) return false;
     above = chain_time(slow, from, slow.legs()) - time - more;
     if (above >= 0.0) break;
@@ -103,7 +103,7 @@ bool take_whole_samples(ProfileChain& part, std::size_t from, double wanted, dou
   }
   for (int i = 0; i < 80; ++i) {
     const double less = i % 3 == 2 ? 0.5 * (low + high) : low - (high - low) * below / (above - below);
-    ProfileChain slow = slowed(part, from, less);
+    ProfileChain slow = slowed(part, from, less, tapered);
     const double off = chain_time(slow, from, slow.legs()) - time - more;
     if (std::abs(off) < exact * period) {
       if (!keeps_ends(slow)) return false;
@@ -115,6 +115,19 @@ bool take_whole_samples(ProfileChain& part, std::size_t from, double wanted, dou
     (off > 0.0 ? above : below) = off;
   }
   return false;
+}
+
+/// The same, until they take `wanted` and a whole number of samples.
+/// @param quick  a part with little room does, too. Longer parts are a little faster on curves. Those with much room
+/// may
+///               have thousands of legs, and a program of very many legs has no time for them.
+bool take_whole_samples(ProfileChain& part, std::size_t from, double wanted, double period, bool quick) {
+  double more = (wanted - chain_time(part, from, part.legs())) / period;
+  more -= std::floor(more);
+  if (more < exact || more > 1.0 - exact) return true;
+  more *= period;
+  if (quick) return take_longer(part, from, more, period, true);
+  return keeps_ends(slowed(part, from, less_max, false)) && take_longer(part, from, more, period, false);
 }
 
 }  // namespace
@@ -164,7 +177,7 @@ bool ChainMaker::remake(const ProfileShares& shares, std::size_t first, std::siz
   if (made && last + 1 < path_.blocks() && !part.stops(part.legs())) {
     const std::size_t from = after_last_stop(part);
     const double begins = from > 0 ? available_.period() : phases[first];
-    made = take_whole_samples(part, from, begins - phases[last + 1], available_.period());
+    made = take_whole_samples(part, from, begins - phases[last + 1], available_.period(), chain_.legs() > very_many);
   }
   put_part(made ? part : before, first, chain_);
   if (!made) std::fill_n(corners_.begin() + static_cast<std::ptrdiff_t>(first) + 1, last - first, Corner{});
