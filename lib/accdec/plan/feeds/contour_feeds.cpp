@@ -91,15 +91,9 @@ double error_within_contour(double contour, const double* in, const double* out,
 Toolpath within_contour(const Toolpath& path) {
   Toolpath within = path;
   if (!(path.contour_max < unlimited)) return within;
-  const auto n = static_cast<Eigen::Index>(path.dimensions());
-  const auto direction = [&](std::size_t b) -> Eigen::VectorXd {
-    return (Eigen::Map<const Eigen::VectorXd>(path.point(b + 1), n) -
-            Eigen::Map<const Eigen::VectorXd>(path.point(b), n))
-        .normalized();
-  };
-  Eigen::VectorXd in = direction(0), out;
+  Eigen::VectorXd in = way_of(path, 0).normalized(), out;
   for (std::size_t b = 0; b + 1 < path.blocks(); ++b, in.swap(out)) {
-    out = direction(b + 1);
+    out = way_of(path, b + 1).normalized();
     double& tolerance = within.tolerance[b];
     if (path.joint[b] == Joint::stop || (path.joint[b] == Joint::straight && !(tolerance < unlimited))) continue;
     tolerance = std::min(tolerance, error_within_contour(path.contour_max, in.data(), out.data(), path.dimensions()));

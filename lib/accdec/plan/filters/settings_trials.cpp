@@ -194,6 +194,13 @@ TimedSetting SettingsTrials::guess(const Filter& set, double any, double width) 
   return best;
 }
 
+/// Plans with a width. @return its samples
+double SettingsTrials::try_width(const Filter& filter, double width, TimedSetting& best) const {
+  const double samples = planned(filter, planned_control(task_, width), effort_.clock());
+  if (samples < best.samples) best = {samples, width};
+  return samples;
+}
+
 /// Widths in the order of their guesses, those below `than` samples. The best one may break a limit where moves overlap
 /// or where a longer delay is worse; the next one may hold.
 void SettingsTrials::try_guesses(const Filter& filter, const std::vector<WidthChoice>& widths, int most, double than,
@@ -205,8 +212,7 @@ void SettingsTrials::try_guesses(const Filter& filter, const std::vector<WidthCh
   std::ranges::stable_sort(promising, {}, &WidthChoice::samples);
   for (const WidthChoice& choice : promising) {
     if (most-- == 0 || effort_.over() || !(choice.samples < best.samples)) return;
-    const double samples = planned(filter, planned_control(task_, choice.width), effort_.clock());
-    if (samples < best.samples) best = {samples, choice.width};
+    try_width(filter, choice.width, best);
   }
 }
 
@@ -224,10 +230,7 @@ TimedSetting SettingsTrials::plan(const Filter& set, double guessed, bool thorou
     return best;
   }
   const auto take = [&](int at) {
-    const double width = widths[static_cast<std::size_t>(at)].width;
-    const double samples = planned(*filter, planned_control(task_, width), effort_.clock());
-    if (samples < best.samples) best = {samples, width};
-    return samples < unlimited;
+    return try_width(*filter, widths[static_cast<std::size_t>(at)].width, best) < unlimited;
   };
   // The longest delays, which most limits allow, come first. Errors and limits then hold up to the widest that does.
   const int wide = guessed > 0.0 ? nearest_to(widths, guessed) : -1;

@@ -65,6 +65,7 @@ class SettingsTrials {
   bool by_axis() const;
   /// All that differ at the programmed feeds.
   std::vector<WidthChoice> widths_of(const Filter& filter) const;
+  double try_width(const Filter& filter, double width, TimedSetting& best) const;
   void try_guesses(const Filter& filter, const std::vector<WidthChoice>& widths, int most, double than,
                    TimedSetting& best) const;
   template <class Time>
